@@ -1,0 +1,159 @@
+//! The hybrid primitive: movement, stiffness and damping of every axis, driven by one phase.
+//!
+//! One step of `dt` [s] at `rate` r, per axis (the order is that of its parts, each exact for what it holds):
+//! 1. phase to mid-step: `s_m = s exp(-alpha_s r h/(2 tau))`; the three bases are evaluated there, once for all axes;
+//! 2. movement: [`Transition`] with F(s_m), second order;
+//! 3. admittance: [`step_offset`] with k(s_m), d(s_m), second order in the parameters; the measured force is held,
+//!    which is sampling, not integration;
+//! 4. phase to the end of the step.
+
+use crate::{
+    Basis, ConfigError, Gain, Movement, MovementState, Phase, Real, Transition, admittance::step_offset, error,
+};
+
+/// The three primitives of one axis; `S` holds each primitive's weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisPrimitives<T, S> {
+    /// Where to go.
+    pub movement: Movement<T, S>,
+    /// How stiffly to hold it [N/m].
+    pub stiffness: Gain<T, S>,
+    /// How much to damp it [N s/m].
+    pub damping: Gain<T, S>,
+}
+
+/// The parameters of one skill of `D` axes; `S` holds each list: `[T; N]` in firmware, `Vec<T>` on a host.
+///
+/// ```
+/// use hpf_core::*;
+/// let basis = Basis::equally_spaced(100.0_f64.ln(), 0.6, [0.0; 5], [0.0; 5])?;
+/// let axis = AxisPrimitives {
+///     movement: Movement::new(0.0, 1.0, 25.0, 1.0, [0.0; 5])?,
+///     stiffness: Gain::new(30.0, 400.0, [100.0; 5])?,
+///     damping: Gain::new(10.0, 100.0, [50.0; 5])?,
+/// };
+/// let skill = HybridPrimitive::new(Phase::new(1.0, 100.0_f64.ln())?, [basis; 3], [axis])?;
+/// let mut state = skill.initial_state();
+/// for _ in 0..10_000 {
+///     skill.step(&mut state, [20.0], 1.0, 1e-3); // the environment pushes with 20 N
+/// }
+/// let [axis] = state.axes;
+/// assert!((axis.reference.position - 1.0).abs() < 1e-6); // the reference is at the goal,
+/// assert!((axis.offset - 0.2).abs() < 1e-6); // the tool gives way by f/k = 20/100 m
+/// # Ok::<(), ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HybridPrimitive<T, S, const D: usize> {
+    phase: Phase<T>,
+    movement_basis: Basis<T, S>,
+    stiffness_basis: Basis<T, S>,
+    damping_basis: Basis<T, S>,
+    axes: [AxisPrimitives<T, S>; D],
+}
+
+/// State of one axis of a skill.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisState<T> {
+    /// Reference motion.
+    pub reference: MovementState<T>,
+    /// Offset e: commanded minus reference position [axis unit].
+    pub offset: T,
+}
+
+/// State of a skill: plain data, copy it to take a snapshot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HybridState<T, const D: usize> {
+    /// Phase s, 1 at the start.
+    pub phase: T,
+    /// One state per axis.
+    pub axes: [AxisState<T>; D],
+}
+
+/// What one step asks of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisCommand<T> {
+    /// Commanded position: reference + offset [axis unit].
+    pub position: T,
+    /// Commanded velocity [axis unit/s].
+    pub velocity: T,
+    /// Stiffness at mid-step [N/m].
+    pub stiffness: T,
+    /// Damping at mid-step [N s/m].
+    pub damping: T,
+}
+
+impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
+    /// A skill from its phase, the bases of movement, stiffness and damping, and its axes.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where an axis has not one weight per function of the basis.
+    pub fn new(
+        phase: Phase<T>,
+        [movement_basis, stiffness_basis, damping_basis]: [Basis<T, S>; 3],
+        axes: [AxisPrimitives<T, S>; D],
+    ) -> Result<Self, ConfigError> {
+        for axis in &axes {
+            error::finite_list("movement.weights", axis.movement.weights(), movement_basis.count())?;
+            error::finite_list("stiffness.weights", axis.stiffness.weights(), stiffness_basis.count())?;
+            error::finite_list("damping.weights", axis.damping.weights(), damping_basis.count())?;
+        }
+        Ok(Self { phase, movement_basis, stiffness_basis, damping_basis, axes })
+    }
+
+    /// The phase all axes share.
+    pub fn phase(&self) -> &Phase<T> {
+        &self.phase
+    }
+
+    /// The primitives of each axis.
+    pub fn axes(&self) -> &[AxisPrimitives<T, S>; D] {
+        &self.axes
+    }
+
+    /// At rest at the start, without offset.
+    pub fn initial_state(&self) -> HybridState<T, D> {
+        let axes = self.axes.each_ref();
+        HybridState {
+            phase: T::ONE,
+            axes: axes.map(|axis| AxisState { reference: axis.movement.initial_state(), offset: T::ZERO }),
+        }
+    }
+
+    /// Advances by `dt` [s] under the measured force of the environment on the tool [N], time running at `rate`.
+    ///
+    /// Total: `rate` is limited to [0, 1]; a `dt` that is negative or not finite counts as no time; a force that is
+    /// not finite leaves the offset of its axis where it is.
+    pub fn step(&self, state: &mut HybridState<T, D>, measured_force: [T; D], rate: T, dt: T) -> [AxisCommand<T>; D] {
+        let rate = rate.max(T::ZERO).min(T::ONE);
+        let dt = if dt.is_finite() { dt.max(T::ZERO) } else { T::ZERO };
+        let duration = self.phase.duration();
+
+        let middle = self.phase.step(state.phase, rate, dt * T::of(0.5));
+        let axes = self.axes.each_ref();
+        let movement = self.movement_basis.mix(middle, axes.map(|axis| axis.movement.weights()));
+        let stiffness = self.stiffness_basis.mix(middle, axes.map(|axis| axis.stiffness.weights()));
+        let damping = self.damping_basis.mix(middle, axes.map(|axis| axis.damping.weights()));
+        state.phase = self.phase.step(state.phase, rate, dt);
+
+        let mixtures = movement.into_iter().zip(stiffness).zip(damping);
+        let mut commands =
+            [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];
+        let slots = commands.iter_mut().zip(&mut state.axes).zip(axes).zip(measured_force).zip(mixtures);
+        for ((((command, state), axis), force), ((movement, stiffness), damping)) in slots {
+            let transition = Transition::new(axis.movement.alpha(), rate * dt / duration);
+            transition.apply(&mut state.reference, axis.movement.goal(), axis.movement.forcing(middle, movement));
+            let mut give = T::ZERO;
+            if force.is_finite() {
+                state.offset = step_offset(state.offset, stiffness, damping, force, dt);
+                give = (force - stiffness * state.offset) / damping;
+            }
+            *command = AxisCommand {
+                position: state.reference.position + state.offset,
+                velocity: state.reference.scaled_velocity * rate / duration + give,
+                stiffness,
+                damping,
+            };
+        }
+        commands
+    }
+}

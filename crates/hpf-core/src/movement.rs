@@ -1,0 +1,163 @@
+//! Movement primitive: a critically damped pull to the goal, bent by a learned forcing term (a discrete DMP).
+//!
+//! Equation: `tau^2 x'' = alpha (beta (g - x) - tau x') + F(s)`, `beta = alpha/4`, `F(s) = s A sum_i w_i phi_i(s)`
+//! (the paper's Eq. 3 and 7, which disagree in one tau; this is the consistent form).
+//!
+//! | symbol | name | unit |
+//! |---|---|---|
+//! | x | `position` | axis unit: m or rad |
+//! | z = tau x' | `scaled_velocity` | axis unit |
+//! | g | `goal` | axis unit |
+//! | alpha | `alpha` | 1 |
+//! | A | `forcing_scale`, fixed when the movement starts | axis unit |
+//! | w | `weights`, one per basis function, oldest phase first | 1 |
+//!
+//! Step: [`Transition`], exact for F held over the step. With F taken at the mid-step phase the step is second order
+//! in dt, with F at the start of the step first order.
+//!
+//! Source: Ijspeert, Nakanishi, Hoffmann, Pastor, Schaal, Neural Computation 25(2):328, 2013, doi 10.1162/NECO_a_00393.
+
+use crate::{ConfigError, Real, error};
+
+/// Spring factor alpha where nothing else is asked for.
+pub const DEFAULT_ALPHA: f64 = 25.0;
+
+/// Parameters of the movement primitive of one axis; `S` holds the weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Movement<T, S> {
+    start: T,
+    goal: T,
+    alpha: T,
+    forcing_scale: T,
+    weights: S,
+}
+
+impl<T: Real, S: AsRef<[T]>> Movement<T, S> {
+    /// A movement from rest at `start` to `goal` (both in the axis unit).
+    ///
+    /// # Errors
+    /// [`ConfigError`] for values that are not finite and an `alpha` that is not positive.
+    pub fn new(start: T, goal: T, alpha: T, forcing_scale: T, weights: S) -> Result<Self, ConfigError> {
+        error::finite_list("movement.weights", weights.as_ref(), weights.as_ref().len())?;
+        Ok(Self {
+            start: error::finite("start", start)?,
+            goal: error::finite("goal", goal)?,
+            alpha: error::positive("alpha", alpha)?,
+            forcing_scale: error::finite("forcing_scale", forcing_scale)?,
+            weights,
+        })
+    }
+
+    /// Where the movement starts [axis unit].
+    pub fn start(&self) -> T {
+        self.start
+    }
+
+    /// Where the movement ends [axis unit].
+    pub fn goal(&self) -> T {
+        self.goal
+    }
+
+    /// Spring factor alpha.
+    pub fn alpha(&self) -> T {
+        self.alpha
+    }
+
+    /// Scale A of the forcing term [axis unit].
+    pub fn forcing_scale(&self) -> T {
+        self.forcing_scale
+    }
+
+    /// Weights, one per basis function, oldest phase first.
+    pub fn weights(&self) -> &[T] {
+        self.weights.as_ref()
+    }
+
+    /// The forcing term `F = s A sum_i w_i phi_i(s)` at phase `s`, given the mixture of the weights there.
+    #[inline]
+    pub fn forcing(&self, s: T, mixed_weights: T) -> T {
+        s * self.forcing_scale * mixed_weights
+    }
+
+    /// The state at the start: at rest at `start`.
+    pub fn initial_state(&self) -> MovementState<T> {
+        MovementState { position: self.start, scaled_velocity: T::ZERO }
+    }
+}
+
+/// State of a movement primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovementState<T> {
+    /// Reference position x [axis unit].
+    pub position: T,
+    /// Reference velocity times duration, z = tau x' [axis unit].
+    pub scaled_velocity: T,
+}
+
+/// One exact step of the critically damped system: what `alpha` and the step size alone decide.
+///
+/// With `y = x - g`, `p = alpha/2`, `u = p dth`, `E = exp(-u)`:
+/// ```text
+/// x+ = g + E ((1+u) y + dth z) + G1 F        G1 = (1 - (1+u) E)/p^2
+/// z+ = E ((1-u) z - p^2 dth y) + G2 F        G2 = dth E
+/// ```
+///
+/// ```
+/// use hpf_core::{MovementState, Transition};
+/// let step = Transition::new(25.0_f64, 0.5);
+/// let mut state = MovementState { position: 0.0, scaled_velocity: 0.0 };
+/// step.apply(&mut state, 1.0, 0.0);
+/// let u = 6.25_f64; // without forcing: x = g - (1 + u) exp(-u) (g - x0)
+/// assert!((state.position - (1.0 - (1.0 + u) * (-u).exp())).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition<T> {
+    position_from_position: T,
+    position_from_velocity: T,
+    velocity_from_position: T,
+    velocity_from_velocity: T,
+    position_from_forcing: T,
+    velocity_from_forcing: T,
+}
+
+/// Below this u the closed form of G1 loses digits and its series takes over.
+const SERIES_BELOW: f64 = 0.05;
+
+/// `(-1)^n (n+1)/(n+2)!`: the series of `(1 - (1+u) exp(-u))/u^2`, its first missing term below 1e-15 of the sum.
+const SERIES: [f64; 8] =
+    [1.0 / 2.0, -2.0 / 6.0, 3.0 / 24.0, -4.0 / 120.0, 5.0 / 720.0, -6.0 / 5040.0, 7.0 / 40320.0, -8.0 / 362_880.0];
+
+impl<T: Real> Transition<T> {
+    /// The step for spring factor `alpha` over `normalised_dt = rate dt / duration` (at least 0).
+    #[inline]
+    pub fn new(alpha: T, normalised_dt: T) -> Self {
+        let dth = normalised_dt;
+        let p = alpha * T::of(0.5);
+        let u = p * dth;
+        let decay = (-u).exp();
+        // -expm1(-u) - u E keeps the digits that 1 - (1+u) E cancels.
+        let closed = (-(-u).exp_m1() - u * decay) / (p * p);
+        let series = dth * dth * SERIES.iter().rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
+        Self {
+            position_from_position: decay * (T::ONE + u),
+            position_from_velocity: decay * dth,
+            velocity_from_position: -decay * p * p * dth,
+            velocity_from_velocity: decay * (T::ONE - u),
+            position_from_forcing: u.select_below(T::of(SERIES_BELOW), series, closed),
+            velocity_from_forcing: dth * decay,
+        }
+    }
+
+    /// Advances `state` towards `goal`, `forcing` held over the step.
+    #[inline]
+    pub fn apply(&self, state: &mut MovementState<T>, goal: T, forcing: T) {
+        let y = state.position - goal;
+        let z = state.scaled_velocity;
+        state.position = goal
+            + self.position_from_position * y
+            + self.position_from_velocity * z
+            + self.position_from_forcing * forcing;
+        state.scaled_velocity =
+            self.velocity_from_position * y + self.velocity_from_velocity * z + self.velocity_from_forcing * forcing;
+    }
+}

@@ -1,0 +1,95 @@
+//! The scalar that every kernel is written in.
+//!
+//! Exponentials go through `libm` on every build: the standard library calls the platform's own, which differs in
+//! the last bits, and host and firmware must agree. Kernels branch through [`Real::select_below`] only, so that a
+//! pack of lanes can implement the trait too.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A real number: `f32` in firmware with a single-precision unit, `f64` on a host.
+///
+/// ```
+/// use hpf_core::Real;
+/// fn half<T: Real>(x: T) -> T { x * T::of(0.5) }
+/// assert_eq!(half(3.0_f32), 1.5);
+/// assert_eq!(half(3.0_f64), 1.5);
+/// ```
+pub trait Real:
+    Copy
+    + 'static
+    + Debug
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// Nought.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+
+    /// The nearest value to `value`.
+    fn of(value: f64) -> Self;
+    /// The value in double precision.
+    fn to_f64(self) -> f64;
+    /// `e^self`.
+    fn exp(self) -> Self;
+    /// `e^self - 1`, accurate near nought.
+    fn exp_m1(self) -> Self;
+    /// The smaller of two; a NaN loses.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two; a NaN loses.
+    fn max(self, other: Self) -> Self;
+    /// `below` where `self < bound`, else `otherwise` (also for NaN).
+    fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// Whether the value is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! impl_real {
+    ($float:ident, $exp:ident, $exp_m1:ident) => {
+        impl Real for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+
+            #[inline]
+            fn of(value: f64) -> Self {
+                value as $float
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                libm::$exp(self)
+            }
+            #[inline]
+            fn exp_m1(self) -> Self {
+                libm::$exp_m1(self)
+            }
+            #[inline]
+            fn min(self, other: Self) -> Self {
+                $float::min(self, other)
+            }
+            #[inline]
+            fn max(self, other: Self) -> Self {
+                $float::max(self, other)
+            }
+            #[inline]
+            fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self {
+                if self < bound { below } else { otherwise }
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+        }
+    };
+}
+
+impl_real!(f32, expf, expm1f);
+impl_real!(f64, exp, expm1);
