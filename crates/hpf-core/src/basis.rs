@@ -41,7 +41,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     ///
     /// # Errors
     /// [`ConfigError`] for fewer than two functions, lengths that differ, centers that do not fall, values that are
-    /// not finite, and widths that are not positive.
+    /// not finite, widths that are not positive, and functions whose exponent is not finite over the whole phase.
     pub fn new(centers: S, widths: S) -> Result<Self, ConfigError> {
         let (c, h) = (centers.as_ref(), widths.as_ref());
         if c.len() < 2 {
@@ -49,8 +49,11 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         }
         error::finite_list("centers", c, c.len())?;
         error::finite_list("widths", h, c.len())?;
-        for &width in h {
+        for (&center, &width) in c.iter().zip(h) {
             error::positive("widths", width)?;
+            // The largest exponent of a phase in [0, 1]: were it infinite, a mixture could be NaN.
+            let reach = center.max(T::ONE - center);
+            error::finite("widths times distance squared", width * reach * reach)?;
         }
         if c.iter().zip(c.iter().skip(1)).any(|(this, next)| this.to_f64() <= next.to_f64()) {
             return Err(ConfigError::NotDecreasing { field: "centers" });

@@ -11,6 +11,9 @@ use crate::{
     Basis, ConfigError, Gain, Movement, MovementState, Phase, Real, Transition, admittance::step_offset, error,
 };
 
+/// A longer step [s] or a larger force [N] counts as this much: by then all has settled, and no product overflows.
+const LARGEST_INPUT: f64 = 1e9;
+
 /// The three primitives of one axis; `S` holds each primitive's weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisPrimitives<T, S> {
@@ -122,10 +125,11 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// Advances by `dt` [s] under the measured force of the environment on the tool [N], time running at `rate`.
     ///
     /// Total: `rate` is limited to [0, 1]; a `dt` that is negative or not finite counts as no time; a force that is
-    /// not finite leaves the offset of its axis where it is.
+    /// not finite leaves the offset of its axis where it is; beyond 1e9, `dt` and force count as 1e9.
     pub fn step(&self, state: &mut HybridState<T, D>, measured_force: [T; D], rate: T, dt: T) -> [AxisCommand<T>; D] {
         let rate = rate.max(T::ZERO).min(T::ONE);
-        let dt = if dt.is_finite() { dt.max(T::ZERO) } else { T::ZERO };
+        let largest = T::of(LARGEST_INPUT);
+        let dt = if dt.is_finite() { dt.max(T::ZERO).min(largest) } else { T::ZERO };
         let duration = self.phase.duration();
 
         let middle = self.phase.step(state.phase, rate, dt * T::of(0.5));
@@ -144,6 +148,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             transition.apply(&mut state.reference, axis.movement.goal(), axis.movement.forcing(middle, movement));
             let mut give = T::ZERO;
             if force.is_finite() {
+                let force = force.max(-largest).min(largest);
                 state.offset = step_offset(state.offset, stiffness, damping, force, dt);
                 give = (force - stiffness * state.offset) / damping;
             }

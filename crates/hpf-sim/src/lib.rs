@@ -1,1 +1,22 @@
-//! x
+//! Tasks and their simulation: what is to be learned, where, and what it costs.
+//!
+//! [`Task`] is the task file, [`Policy`] the learned skill, [`Simulation`] rolls one out in the other and leaves a
+//! [`Trace`]; costs and [`metrics`](Simulation::metrics) are functions of the trace. [`Simulation`] is a
+//! [`hpf_learn::Problem`], so it can be learned. No files, no terminal.
+
+#![forbid(unsafe_code)]
+
+pub mod cost;
+pub mod environment;
+mod metrics;
+mod policy;
+mod problem;
+mod simulation;
+pub mod task;
+mod trace;
+
+pub use metrics::Metric;
+pub use policy::{AxisPolicy, GainPolicy, MovementPolicy, Policy, PolicyError, Provenance};
+pub use simulation::{Simulation, SimulationError};
+pub use task::{Diagnostic, Task};
+pub use trace::{AxisTrace, ContactTrace, Trace};

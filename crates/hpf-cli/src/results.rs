@@ -1,0 +1,203 @@
+//! What a run leaves behind, as plain data: tables, logs and pictures only read it.
+
+use std::io;
+use std::path::Path;
+
+use hpf_sim::cost::Term;
+use hpf_sim::environment::{Contact, cantilever::Curve};
+use hpf_sim::task::{Task, Unit};
+use hpf_sim::{AxisTrace, ContactTrace, Policy, Trace};
+
+/// A run: the task as run, the policy it led to, and the way there.
+pub struct Run {
+    /// The task, overrides applied.
+    pub task: Task,
+    /// The learned policy.
+    pub policy: Policy,
+    /// One row per noiseless evaluation, the start first.
+    pub learning: Vec<LearningRow>,
+    /// The learned policy's motion.
+    pub trajectory: Trace,
+    /// The motion after some updates, in their order.
+    pub snapshots: Vec<(usize, Trace)>,
+}
+
+/// One row of `learning.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearningRow {
+    /// Updates made.
+    pub update: usize,
+    /// Motions made, evaluations included.
+    pub rollouts: usize,
+    /// Total cost.
+    pub total: f64,
+    /// Cost by term, in the order of [`Term::ALL`].
+    pub terms: Vec<f64>,
+    /// Scale of the exploration, 1 at the start.
+    pub exploration: f64,
+}
+
+fn bad(message: impl Into<String>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, message.into())
+}
+
+/// The text of `learning.csv`.
+pub fn learning_csv(rows: &[LearningRow]) -> String {
+    let mut text = format!("update,rollouts,total,{},exploration\n", Term::NAMES.join(","));
+    for row in rows {
+        let terms: Vec<String> = row.terms.iter().map(f64::to_string).collect();
+        text += &format!("{},{},{},{},{}\n", row.update, row.rollouts, row.total, terms.join(","), row.exploration);
+    }
+    text
+}
+
+/// Reads `learning.csv`.
+pub fn read_learning(text: &str) -> io::Result<Vec<LearningRow>> {
+    let mut rows = Vec::new();
+    for record in csv::Reader::from_reader(text.as_bytes()).deserialize::<Vec<f64>>() {
+        let record = record.map_err(io::Error::other)?;
+        let [update, rollouts, total, terms @ .., exploration] = record.as_slice() else {
+            return Err(bad("a row of learning.csv is too short"));
+        };
+        if terms.len() != Term::ALL.len() {
+            return Err(bad("learning.csv has other cost terms than this version"));
+        }
+        rows.push(LearningRow {
+            update: *update as usize,
+            rollouts: *rollouts as usize,
+            total: *total,
+            terms: terms.to_vec(),
+            exploration: *exploration,
+        });
+    }
+    if rows.is_empty() { Err(bad("learning.csv has no row")) } else { Ok(rows) }
+}
+
+/// Signals of an axis with the ends of their column names, for the unit of the axis.
+fn axis_columns(unit: Unit, axis: &mut AxisTrace) -> [(&'static str, &mut Vec<f64>); 7] {
+    let names = match unit {
+        Unit::M => [
+            "reference_m",
+            "reference_velocity_m_s",
+            "position_m",
+            "velocity_m_s",
+            "force_n",
+            "stiffness_n_m",
+            "damping_n_s_m",
+        ],
+        Unit::Rad => [
+            "reference_rad",
+            "reference_velocity_rad_s",
+            "position_rad",
+            "velocity_rad_s",
+            "torque_nm",
+            "stiffness_nm_rad",
+            "damping_nm_s_rad",
+        ],
+    };
+    let [a, b, c, d, e, f, g] = names;
+    [
+        (a, &mut axis.reference_position),
+        (b, &mut axis.reference_velocity),
+        (c, &mut axis.position),
+        (d, &mut axis.velocity),
+        (e, &mut axis.force),
+        (f, &mut axis.stiffness),
+        (g, &mut axis.damping),
+    ]
+}
+
+/// Every signal of a trace with its column name, in the order of `trajectory.csv`.
+fn columns<'t>(task: &Task, trace: &'t mut Trace) -> Vec<(String, &'t mut Vec<f64>)> {
+    let mut columns = vec![("time_s".to_owned(), &mut trace.time), ("phase".to_owned(), &mut trace.phase)];
+    for (axis, signals) in task.axis.iter().zip(&mut trace.axes) {
+        for (name, signal) in axis_columns(axis.unit, signals) {
+            columns.push((format!("{}_{name}", axis.name), signal));
+        }
+    }
+    if let Some(contact) = &mut trace.contact {
+        columns.push(("deflection_m".to_owned(), &mut contact.deflection));
+        columns.push(("deviation_m".to_owned(), &mut contact.deviation));
+        columns.push(("contact_force_n".to_owned(), &mut contact.force));
+    }
+    columns
+}
+
+/// The text of `trajectory.csv` and of each snapshot: numbers read back to the same bits.
+pub fn trajectory_csv(task: &Task, trace: &Trace) -> String {
+    let mut trace = trace.clone();
+    let columns = columns(task, &mut trace);
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let mut text = names.join(",") + "\n";
+    for row in 0..columns[0].1.len() {
+        let numbers: Vec<String> = columns.iter().map(|(_, signal)| signal[row].to_string()).collect();
+        text += &numbers.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// Reads `trajectory.csv` or a snapshot of `task`.
+pub fn read_trajectory(task: &Task, text: &str) -> io::Result<Trace> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let mut trace = Trace { axes: vec![AxisTrace::default(); task.axis.len()], ..Trace::default() };
+    trace.contact = task.contact.as_ref().map(|contact| ContactTrace {
+        axis: task.axis_index(contact.axis()).unwrap_or(0),
+        set_point: contact.surface(0.0, 0.0).set_point,
+        ..ContactTrace::default()
+    });
+    let mut columns = columns(task, &mut trace);
+    let header = reader.headers().map_err(io::Error::other)?.clone();
+    if !header.iter().eq(columns.iter().map(|(name, _)| name.as_str())) {
+        return Err(bad("the columns are not those of this task's trajectory"));
+    }
+    for record in reader.deserialize::<Vec<f64>>() {
+        for ((_, signal), number) in columns.iter_mut().zip(record.map_err(io::Error::other)?) {
+            signal.push(number);
+        }
+    }
+    if trace.time.len() < 2 {
+        return Err(bad("a trajectory needs at least two rows"));
+    }
+    if let (Some(signals), Some(contact)) = (&mut trace.contact, &task.contact) {
+        signals.travel = trace.time.iter().map(|time| contact.travel(time / task.duration)).collect();
+    }
+    Ok(trace)
+}
+
+/// The text of `beam.csv`, where the task has a beam: both curves along it.
+pub fn beam_csv(task: &Task) -> Option<String> {
+    let Some(Contact::Cantilever(beam)) = &task.contact else { return None };
+    let mut text = "travel_m,tip_load_m,moving_load_m\n".to_owned();
+    for i in 0..=100 {
+        let x = beam.length * f64::from(i) / 100.0;
+        let [tip, moving] = [Curve::TipLoad, Curve::MovingLoad].map(|curve| beam.deflection_of(curve, x));
+        text += &format!("{x},{tip},{moving}\n");
+    }
+    Some(text)
+}
+
+impl Run {
+    /// Reads a run directory.
+    ///
+    /// # Errors
+    /// A message that names the file, where one is missing or damaged.
+    pub fn load(directory: &Path) -> Result<Self, crate::failure::Failure> {
+        use crate::files::{in_file, read_policy, read_task, read_text};
+        let task = read_task(&directory.join("task.toml"), &[])?.task;
+        let policy = read_policy(&directory.join("policy.json"))?;
+        let path = directory.join("learning.csv");
+        let learning = read_learning(&read_text(&path)?).map_err(in_file(&path))?;
+        let path = directory.join("trajectory.csv");
+        let trajectory = read_trajectory(&task, &read_text(&path)?).map_err(in_file(&path))?;
+        let mut snapshots = Vec::new();
+        for &update in &task.output.snapshots {
+            let path = directory.join("snapshots").join(format!("{update}.csv"));
+            // A run that stopped early has not reached its later snapshots.
+            if path.exists() {
+                snapshots.push((update, read_trajectory(&task, &read_text(&path)?).map_err(in_file(&path))?));
+            }
+        }
+        Ok(Self { task, policy, learning, trajectory, snapshots })
+    }
+}

@@ -1,0 +1,294 @@
+//! What holds for every parameter and every input, tried on random ones.
+
+use hpf_core::admittance::step_offset;
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, MovementState, Phase, Transition};
+use proptest::collection::vec;
+use proptest::num::{f32 as any_f32, f64 as any_f64};
+use proptest::prelude::*;
+
+/// Falling centers in [0, 1] and widths from useless to needle-sharp: between the functions, all of them underflow.
+fn wild_basis() -> impl Strategy<Value = Basis<f64, Vec<f64>>> {
+    (2..30_usize).prop_flat_map(|n| (vec(0.0..=1.0_f64, n), vec(-300.0..300.0_f64, n))).prop_filter_map(
+        "centers must differ",
+        |(mut centers, exponents)| {
+            centers.sort_by(|a, b| b.total_cmp(a));
+            let widths = exponents.into_iter().map(|exponent| 10.0_f64.powf(exponent)).collect();
+            Basis::new(centers, widths).ok()
+        },
+    )
+}
+
+fn any_phase() -> impl Strategy<Value = f64> {
+    prop_oneof![0.0..=1.0_f64, Just(0.0), Just(1.0), (-300.0..0.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent))]
+}
+
+proptest! {
+    #[test]
+    fn features_are_a_partition_of_unity(basis in wild_basis(), s in any_phase()) {
+        let mut features = vec![f64::NAN; basis.count()];
+        basis.features_into(s, &mut features);
+        prop_assert!(features.iter().all(|phi| (0.0..=1.0).contains(phi)), "{features:?}");
+        // Each of up to 30 terms, and their sum, is rounded at 1e-16.
+        prop_assert!((features.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn mixtures_stay_between_the_smallest_and_the_largest_weight(
+        basis in wild_basis(), s in any_phase(), weights in vec(-1e3..1e3_f64, 30),
+    ) {
+        let weights = &weights[..basis.count()];
+        let [mixed] = basis.mix(s, [weights]);
+        let lo = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let hi = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Roundings of two sums of up to 30 terms of 1e3.
+        prop_assert!(mixed >= lo - 1e-11 && mixed <= hi + 1e-11, "{mixed} outside [{lo}, {hi}]");
+    }
+
+    #[test]
+    fn mixing_is_weighing_the_features(basis in wild_basis(), s in any_phase(), weights in vec(-1.0..1.0_f64, 30)) {
+        let weights = &weights[..basis.count()];
+        let mut features = vec![0.0; basis.count()];
+        basis.features_into(s, &mut features);
+        let [mixed, twice] = basis.mix(s, [weights, &weights.iter().map(|w| 2.0 * w).collect::<Vec<_>>()]);
+        let weighed: f64 = features.iter().zip(weights).map(|(phi, w)| phi * w).sum();
+        prop_assert!((mixed - weighed).abs() < 1e-14);
+        prop_assert_eq!(twice, 2.0 * mixed); // doubling is exact
+    }
+
+    #[test]
+    fn the_standard_basis_meets_at_its_overlap(n in 2..40_usize, decay in 1.0..10.0_f64, overlap in 0.05..0.95_f64) {
+        let basis = Basis::equally_spaced(decay, overlap, vec![0.0; n], vec![0.0; n]).unwrap();
+        let mut activations = vec![0.0; n];
+        for i in 0..n - 1 {
+            basis.activations_into(basis.centers()[i + 1], &mut activations);
+            prop_assert!((activations[i] - overlap).abs() < 1e-12); // (c - c)^2 h, twice rounded
+            prop_assert!((activations[i + 1] - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn offset_is_bounded_whatever_stiffness_damping_and_force_do(
+        start in -1.0..1.0_f64,
+        steps in vec((30.0..400.0_f64, 10.0..100.0_f64, -50.0..50.0_f64, 1e-4..1.0_f64), 1..60),
+    ) {
+        // |e| <= |e0| exp(-int k/d) + sup|f| / k_min
+        let mut offset = start;
+        let mut decayed = 0.0;
+        let (mut largest_force, mut least_stiffness) = (0.0_f64, f64::INFINITY);
+        for (k, d, force, dt) in steps {
+            offset = step_offset(offset, k, d, force, dt);
+            decayed += k / d * dt;
+            largest_force = largest_force.max(force.abs());
+            least_stiffness = least_stiffness.min(k);
+            let bound = start.abs() * f64::exp(-decayed) + largest_force / least_stiffness;
+            prop_assert!(offset.abs() <= bound + 1e-14, "{offset} above {bound}"); // 60 roundings of 1
+        }
+    }
+}
+
+macro_rules! total {
+    ($module:ident, $float:ident, $any:ident, $slack:expr) => {
+        mod $module {
+            use super::*;
+
+            const N: usize = 8;
+            type Skill = HybridPrimitive<$float, [$float; N], 2>;
+
+            fn axis() -> impl Strategy<Value = AxisPrimitives<$float, [$float; N]>> {
+                let list = |lo: $float, hi: $float| vec(lo..=hi, N).prop_map(|list| list.try_into().unwrap());
+                let movement = (-10.0..10.0 as $float, -10.0..10.0 as $float, 1.0..200.0 as $float);
+                (movement, list(-1e3, 1e3), list(30.0, 400.0), list(10.0, 100.0)).prop_map(
+                    |((start, goal, alpha), weights, stiffness, damping)| AxisPrimitives {
+                        movement: Movement::new(start, goal, alpha, goal - start, weights).unwrap(),
+                        stiffness: Gain::new(30.0, 400.0, stiffness).unwrap(),
+                        damping: Gain::new(10.0, 100.0, damping).unwrap(),
+                    },
+                )
+            }
+
+            fn skill() -> impl Strategy<Value = Skill> {
+                (1e-3..1e3 as $float, 0.5..10.0 as $float, 0.1..0.9 as $float, axis(), axis()).prop_map(
+                    |(duration, decay, overlap, x, y)| {
+                        let basis = Basis::equally_spaced(decay, overlap, [0.0; N], [0.0; N]).unwrap();
+                        HybridPrimitive::new(Phase::new(duration, decay).unwrap(), [basis; 3], [x, y]).unwrap()
+                    },
+                )
+            }
+
+            /// Any bit pattern, and often a plausible value or the worst ones.
+            fn input(lo: $float, hi: $float) -> impl Strategy<Value = $float> {
+                let worst = [$float::NAN, $float::INFINITY, $float::NEG_INFINITY, $float::MAX, $float::MIN, 0.0];
+                prop_oneof![$any::ANY, lo..hi, prop::sample::select(worst.to_vec())]
+            }
+
+            proptest! {
+                #[test]
+                fn no_input_makes_a_step_fail(
+                    skill in skill(),
+                    inputs in vec((input(-50.0, 50.0), input(-50.0, 50.0), input(0.0, 1.0), input(0.0, 0.1)), 1..40),
+                ) {
+                    let mut state = skill.initial_state();
+                    for (x, y, rate, dt) in inputs {
+                        let before = state;
+                        let commands = skill.step(&mut state, [x, y], rate, dt);
+                        prop_assert!((0.0..=before.phase).contains(&state.phase), "{state:?}");
+                        for (axis, command) in state.axes.iter().zip(commands) {
+                            let all = [
+                                axis.reference.position, axis.reference.scaled_velocity, axis.offset,
+                                command.position, command.velocity, command.stiffness, command.damping,
+                            ];
+                            prop_assert!(
+                                all.iter().all(|value| value.is_finite()),
+                                "{axis:?} {command:?} after {x:e}, {y:e}, {rate:e}, {dt:e} from {before:?}"
+                            );
+                            // The bounds of the weights, up to the rounding of a mixture of eight.
+                            prop_assert!(command.stiffness >= 30.0 * (1.0 - $slack), "{command:?}");
+                            prop_assert!(command.stiffness <= 400.0 * (1.0 + $slack), "{command:?}");
+                            prop_assert!(command.damping >= 10.0 * (1.0 - $slack), "{command:?}");
+                            prop_assert!(command.damping <= 100.0 * (1.0 + $slack), "{command:?}");
+                        }
+                    }
+                }
+
+                #[test]
+                fn a_force_that_is_no_number_leaves_the_offset_alone(skill in skill(), push in -50.0..50.0 as $float) {
+                    let mut state = skill.initial_state();
+                    skill.step(&mut state, [push, push], 1.0, 0.01);
+                    let [x, y] = state.axes;
+                    for bad in [$float::NAN, $float::INFINITY, $float::NEG_INFINITY] {
+                        skill.step(&mut state, [bad, push], 1.0, 0.01);
+                        prop_assert_eq!(state.axes[0].offset, x.offset);
+                    }
+                    // The other axis goes on.
+                    prop_assert!(state.axes[1].offset.abs() >= y.offset.abs());
+                }
+
+                #[test]
+                fn no_time_and_no_rate_are_what_they_say(skill in skill(), dt in input(-1.0, 0.0)) {
+                    let mut state = skill.initial_state();
+                    skill.step(&mut state, [0.0; 2], 1.0, 0.01);
+                    let before = state;
+                    // A dt that is not positive or not finite counts as nought: everything stands still.
+                    if !(dt.is_finite() && dt > 0.0) {
+                        skill.step(&mut state, [5.0; 2], 1.0, dt);
+                        prop_assert_eq!(state.phase, before.phase);
+                        prop_assert_eq!(state.axes[0].offset, before.axes[0].offset);
+                    }
+                    // A rate that is no number pauses.
+                    skill.step(&mut state, [0.0; 2], $float::NAN, 0.01);
+                    prop_assert_eq!(state.phase, before.phase);
+                }
+
+                #[test]
+                fn a_movement_settles_on_its_goal_as_finely_as_its_steps_allow(
+                    goal in -10.0..10.0 as $float,
+                    position in -10.0..10.0 as $float,
+                    velocity in -100.0..100.0 as $float,
+                    alpha in 1.0..100.0 as $float,
+                    dt in 1e-3..1.0 as $float,
+                ) {
+                    let mut state = MovementState { position, scaled_velocity: velocity };
+                    let transition = Transition::new(alpha, dt);
+                    let u = alpha / 2.0 * dt;
+                    for _ in 0..(50.0 / u).ceil() as usize + 1 {
+                        transition.apply(&mut state, goal, 0.0);
+                    }
+                    // u t = 50: (20 + 200 t) exp(-50) is 1e-19. The rest is rounding: a position stands still once its
+                    // step, u/2 of the distance left, rounds to nought. In single precision, 0.9 m away at 1 kHz over
+                    // 1 s, that is 2 um; over 10 s, 20 um.
+                    let resolution = $float::EPSILON * goal.abs();
+                    prop_assert!((state.position - goal).abs() <= resolution * (1.0 / u + 4.0) + 1e-15, "{state:?}");
+                }
+
+                #[test]
+                fn an_endless_step_settles(skill in skill(), force in -50.0..50.0 as $float) {
+                    for dt in [1e9, $float::MAX] {
+                        let mut state = skill.initial_state();
+                        skill.step(&mut state, [force; 2], 1.0, dt);
+                        for (state, axis) in state.axes.iter().zip(skill.axes()) {
+                            let gap = state.reference.position - axis.movement.goal();
+                            prop_assert!(gap.abs() <= 10.0 * $slack, "{state:?}");
+                            prop_assert!(state.offset.abs() <= force.abs() / 30.0 * (1.0 + $slack), "{state:?}");
+                            prop_assert!(state.offset.abs() >= force.abs() / 400.0 * (1.0 - $slack), "{state:?}");
+                        }
+                    }
+                }
+            }
+        }
+    };
+}
+
+total!(single_precision, f32, any_f32, 1e-5);
+total!(double_precision, f64, any_f64, 1e-13);
+
+#[test]
+fn a_basis_that_can_be_built_can_be_mixed_at_every_phase() {
+    // Far away or needle-sharp, all exponents overflow; such a basis is refused, so the mixture is always finite.
+    for (centers, widths) in [
+        ([1e200, 1e199], [1.0, 1.0]),
+        ([-1e199, -1e200], [1.0, 1.0]),
+        ([3.0, 2.0], [f64::MAX, f64::MAX]),
+        ([1.0, 0.5], [f64::MAX, f64::MAX]),
+        ([2.0, -1.0], [1e300, 1e-300]),
+    ] {
+        if let Ok(basis) = Basis::new(centers, widths) {
+            for s in [0.0, 1e-300, 0.3, 1.0] {
+                let [mixed] = basis.mix(s, [&[1.0, 2.0]]);
+                assert!((1.0..=2.0).contains(&mixed), "{mixed} at {s} of {basis:?}");
+            }
+        }
+    }
+}
+
+/// What each constructor says when it refuses.
+#[test]
+fn every_refusal_names_its_culprit() {
+    let basis = || Basis::equally_spaced(4.6, 0.6, [0.0; 3], [0.0; 3]).unwrap();
+    let phase = || Phase::new(1.0, 4.6).unwrap();
+    let skill = |n: [usize; 3]| {
+        let axis = AxisPrimitives {
+            movement: Movement::new(0.0, 1.0, 25.0, 1.0, vec![0.0; n[0]]).unwrap(),
+            stiffness: Gain::new(30.0, 400.0, vec![100.0; n[1]]).unwrap(),
+            damping: Gain::new(10.0, 100.0, vec![50.0; n[2]]).unwrap(),
+        };
+        let bases = [(); 3].map(|()| Basis::new(basis().centers().to_vec(), basis().widths().to_vec()).unwrap());
+        HybridPrimitive::new(phase(), bases, [axis]).unwrap_err()
+    };
+    let at_rest = [0.0; 3];
+    let refusals: [(ConfigError, &str); 28] = [
+        (Phase::new(0.0, 4.6).unwrap_err(), "duration must be positive, not 0"),
+        (Phase::new(f64::NAN, 4.6).unwrap_err(), "duration is not a finite number"),
+        (Phase::new(1.0, -2.5).unwrap_err(), "decay must be positive, not -2.5"),
+        (Phase::new(1.0, f64::INFINITY).unwrap_err(), "decay is not a finite number"),
+        (Basis::new([1.0], [1.0]).unwrap_err(), "centers has 1 entries, at least 2 are needed"),
+        (Basis::new(vec![1.0, 0.5], vec![1.0; 3]).unwrap_err(), "widths has 3 entries, 2 are needed"),
+        (Basis::new([1.0, f64::NAN], [1.0; 2]).unwrap_err(), "centers is not a finite number"),
+        (Basis::new([1.0, 0.5], [1.0, f64::NAN]).unwrap_err(), "widths is not a finite number"),
+        (Basis::new([1.0, 0.5], [1.0, -3.0]).unwrap_err(), "widths must be positive, not -3"),
+        (Basis::new([1.0, 1.0], [1.0; 2]).unwrap_err(), "centers must fall from each entry to the next"),
+        (Basis::new([1e200, 0.5], [1.0; 2]).unwrap_err(), "widths times distance squared is not a finite number"),
+        (Basis::equally_spaced(0.0, 0.6, [0.0; 2], [0.0; 2]).unwrap_err(), "decay must be positive, not 0"),
+        (Basis::equally_spaced(4.6, 1.0, [0.0; 2], [0.0; 2]).unwrap_err(), "overlap must lie in [0, 1], not 1"),
+        (Basis::equally_spaced(4.6, f64::NAN, [0.0; 2], [0.0; 2]).unwrap_err(), "overlap must lie in [0, 1], not NaN"),
+        (
+            Basis::equally_spaced(4.6, 0.6, [0.0; 1], [0.0; 1]).unwrap_err(),
+            "centers has 1 entries, at least 2 are needed",
+        ),
+        (Movement::new(f64::NAN, 1.0, 25.0, 1.0, at_rest).unwrap_err(), "start is not a finite number"),
+        (Movement::new(0.0, f64::NAN, 25.0, 1.0, at_rest).unwrap_err(), "goal is not a finite number"),
+        (Movement::new(0.0, 1.0, 0.0, 1.0, at_rest).unwrap_err(), "alpha must be positive, not 0"),
+        (Movement::new(0.0, 1.0, 25.0, f64::NAN, at_rest).unwrap_err(), "forcing_scale is not a finite number"),
+        (Movement::new(0.0, 1.0, 25.0, 1.0, [f64::NAN]).unwrap_err(), "movement.weights is not a finite number"),
+        (Gain::new(0.0, 400.0, [100.0]).unwrap_err(), "min must be positive, not 0"),
+        (Gain::new(30.0, f64::NAN, [100.0]).unwrap_err(), "max is not a finite number"),
+        (Gain::new(30.0, 20.0, [25.0]).unwrap_err(), "gain has its lower bound 30 above its upper bound 20"),
+        (Gain::new(30.0, 400.0, [401.5]).unwrap_err(), "weights must lie in [30, 400], not 401.5"),
+        (Gain::new(30.0, 400.0, [f64::NAN]).unwrap_err(), "weights is not a finite number"),
+        (skill([2, 3, 3]), "movement.weights has 2 entries, 3 are needed"),
+        (skill([3, 4, 3]), "stiffness.weights has 4 entries, 3 are needed"),
+        (skill([3, 3, 0]), "damping.weights has 0 entries, 3 are needed"),
+    ];
+    for (refusal, text) in refusals {
+        assert_eq!(refusal.to_string(), text);
+    }
+}

@@ -1,0 +1,133 @@
+//! The loop around a learner: ask, roll out in parallel, tell, look at what was learned, keep the best.
+
+use rayon::prelude::*;
+
+use crate::{Cost, Parameters, Pi2, Pi2Error, Pi2Options, Problem};
+
+/// The state of learning after one update, evaluated without noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Updates made: 0 before the first.
+    pub update: usize,
+    /// Motions made so far, evaluations included.
+    pub rollouts: usize,
+    /// Total cost of the noiseless evaluation.
+    pub total: f64,
+    /// The same by term, in the order of [`Problem::terms`].
+    pub terms: Vec<f64>,
+    /// Scale of the exploration in the batch that led here; at update 0, in the first batch.
+    pub exploration: f64,
+    /// The parameters evaluated.
+    pub weights: Vec<f64>,
+}
+
+/// Why learning ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// All updates were made.
+    Updates,
+    /// The next batch would have passed the rollouts allowed.
+    Rollouts,
+    /// The observer asked for it.
+    Asked,
+}
+
+/// What a run of learning leaves behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct History {
+    /// The evaluation of the starting parameters.
+    pub initial: Progress,
+    /// The evaluation with the lowest cost.
+    pub best: Progress,
+    /// Updates made.
+    pub updates: usize,
+    /// Motions made, evaluations included.
+    pub rollouts: usize,
+    /// Rollouts whose cost was not finite.
+    pub rejected: usize,
+    /// Why it ended.
+    pub stop: Stop,
+}
+
+/// Why learning failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LearnError {
+    /// The starting parameters already cost no finite amount.
+    #[error("the starting policy has no finite cost")]
+    BadStart,
+    /// An update could not be made; what was learned before it is in `history`.
+    #[error("{reason}")]
+    Update {
+        /// What went wrong.
+        reason: Pi2Error,
+        /// What was learned before.
+        history: Box<History>,
+    },
+}
+
+/// Learns `problem` from `weights` with PI2 on the current rayon pool: the same numbers for any number of threads.
+///
+/// `observe` sees the start and every update, in order; it returns whether to go on. Learning stops before a batch
+/// and its evaluation would pass `max_rollouts` motions.
+///
+/// # Errors
+/// [`LearnError`] where the start costs no finite amount, or every rollout of an update does.
+pub fn learn<P: Problem>(
+    problem: &P,
+    weights: Vec<f64>,
+    options: Pi2Options,
+    max_rollouts: Option<usize>,
+    mut observe: impl FnMut(&Progress) -> bool,
+) -> Result<History, LearnError> {
+    let mut learner = Pi2::new(problem.blocks(), problem.steps(), weights, options);
+    let mut workspace = problem.workspace();
+    let mut evaluate = |learner: &Pi2, rollouts: usize, exploration: f64| {
+        let mut cost = Cost::default();
+        problem.rollout(Parameters::Constant(learner.weights()), &mut workspace, &mut cost);
+        Progress {
+            update: learner.update(),
+            rollouts,
+            total: cost.total(),
+            terms: cost.terms,
+            exploration,
+            weights: learner.weights().to_vec(),
+        }
+    };
+
+    let initial = evaluate(&learner, 1, learner.exploration());
+    if !initial.total.is_finite() {
+        return Err(LearnError::BadStart);
+    }
+    let mut history =
+        History { best: initial.clone(), initial, updates: 0, rollouts: 1, rejected: 0, stop: Stop::Updates };
+    let mut go_on = observe(&history.initial);
+    let mut costs = vec![Cost::default(); options.rollouts];
+    for _ in 0..options.updates {
+        if !go_on {
+            history.stop = Stop::Asked;
+            break;
+        }
+        if max_rollouts.is_some_and(|max| history.rollouts + options.rollouts + 1 > max) {
+            history.stop = Stop::Rollouts;
+            break;
+        }
+        let exploration = learner.exploration();
+        let batch = learner.ask();
+        costs.par_iter_mut().enumerate().for_each_init(
+            || problem.workspace(),
+            |workspace, (k, cost)| problem.rollout(batch.sample(k), workspace, cost),
+        );
+        match learner.tell(&batch, &costs) {
+            Ok(rejected) => history.rejected += rejected,
+            Err(reason) => return Err(LearnError::Update { reason, history: Box::new(history) }),
+        }
+        history.updates += 1;
+        history.rollouts += options.rollouts + 1;
+        let progress = evaluate(&learner, history.rollouts, exploration);
+        go_on = observe(&progress);
+        if progress.total < history.best.total {
+            history.best = progress;
+        }
+    }
+    Ok(history)
+}

@@ -1,0 +1,87 @@
+//! What a learning problem is: parameters in blocks, and the cost of a rollout.
+
+/// One primitive of one axis: a run of parameters that share a basis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// What the parameters are, such as `y.stiffness`.
+    pub name: String,
+    /// Number of parameters: n, one per basis function.
+    pub count: usize,
+    /// `phi_i` at mid-step: steps x n, one row per step.
+    pub features: Vec<f64>,
+    /// `psi_i` at mid-step: steps x n, one row per step.
+    pub activations: Vec<f64>,
+    /// Smallest value of a parameter; infinite where there is none.
+    pub min: f64,
+    /// Largest value of a parameter; infinite where there is none.
+    pub max: f64,
+    /// Standard deviation of the exploration at the first update, in the parameters' unit.
+    pub noise: f64,
+}
+
+/// The parameters of one rollout, all blocks one after the other.
+#[derive(Clone, Copy, Debug)]
+pub enum Parameters<'a> {
+    /// One set for the whole rollout.
+    Constant(&'a [f64]),
+    /// A set per step: steps x parameters, one row per step.
+    PerStep {
+        /// The rows, one after the other.
+        rows: &'a [f64],
+        /// Parameters per row.
+        count: usize,
+    },
+}
+
+impl<'a> Parameters<'a> {
+    /// The parameters in force during `step`; past the last row, the last row.
+    #[inline]
+    pub fn at(&self, step: usize) -> &'a [f64] {
+        match *self {
+            Self::Constant(row) => row,
+            Self::PerStep { rows, count } => {
+                let start = (step * count).min(rows.len() - count);
+                &rows[start..start + count]
+            }
+        }
+    }
+}
+
+/// What a rollout cost.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Cost of each step, one entry per step.
+    pub running: Vec<f64>,
+    /// Cost of the end.
+    pub terminal: f64,
+    /// The same total split by term, in the order of [`Problem::terms`].
+    pub terms: Vec<f64>,
+}
+
+impl Cost {
+    /// Running and terminal cost together.
+    pub fn total(&self) -> f64 {
+        self.terminal + self.running.iter().sum::<f64>()
+    }
+}
+
+/// Something whose parameters can be learned: a simulator, a robot.
+pub trait Problem: Sync {
+    /// What one rollout works in, made once per thread and reused.
+    type Workspace: Send;
+
+    /// The parameters, block by block.
+    fn blocks(&self) -> &[Block];
+
+    /// Number of steps of a rollout.
+    fn steps(&self) -> usize;
+
+    /// The names of the cost terms.
+    fn terms(&self) -> &[&'static str];
+
+    /// A workspace for rollouts.
+    fn workspace(&self) -> Self::Workspace;
+
+    /// Makes one rollout and writes what it cost. A rollout that failed costs NaN or infinity.
+    fn rollout(&self, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
+}

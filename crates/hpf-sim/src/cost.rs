@@ -1,0 +1,156 @@
+//! The price of a motion, term by term (the paper's Eq. 22-24).
+//!
+//! ```text
+//! terminal:  1/2 W_goal |p(T) - g|^2 + 1/2 W_vel |v(T)|^2
+//! once:      1/2 W_via |p(t_via) - p_via|^2                     for each via point
+//! running:   1/2 [W_track (p - n)^2 + W_force (F_c - f_d)^2 + W_acc |a|^2 + W_stiff |k|^2 + W_damp |d|^2] dt
+//! ```
+//! p, v, a are the tool's actual motion, n the curve of the contact, F_c - f_d its force less the set-point (not in
+//! the paper: near a clamp a large error of force hides in a small deviation). Running terms are integrals, so a weight means
+//! the same at any rate (the paper sums without dt). Signals at samples are integrated by the trapezoid rule; the
+//! acceleration of a step is the change of velocity over it.
+
+use hpf_learn::Cost;
+
+use crate::task::{PerAxis, Task};
+use crate::trace::Trace;
+
+/// A term of the cost; its name is its key in the task file, and its column in every table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Term {
+    /// Distance to the goal at the end.
+    Goal,
+    /// Velocity at the end.
+    EndVelocity,
+    /// Distance to each via point at its time.
+    ViaPoint,
+    /// Deviation from the curve of the contact.
+    Tracking,
+    /// Contact force away from its set-point.
+    ContactForce,
+    /// Acceleration.
+    Acceleration,
+    /// Stiffness.
+    Stiffness,
+    /// Damping.
+    Damping,
+}
+
+impl Term {
+    /// All terms, in the order of every table.
+    pub const ALL: [Self; 8] = [
+        Self::Goal,
+        Self::EndVelocity,
+        Self::ViaPoint,
+        Self::Tracking,
+        Self::ContactForce,
+        Self::Acceleration,
+        Self::Stiffness,
+        Self::Damping,
+    ];
+
+    /// Names of all terms.
+    pub const NAMES: [&str; 8] =
+        ["goal", "end_velocity", "via_point", "tracking", "contact_force", "acceleration", "stiffness", "damping"];
+}
+
+/// The weights of a task's cost, and what its terms measure against.
+#[derive(Clone, Debug)]
+pub(crate) struct CostModel {
+    goal: Vec<f64>,
+    via: Vec<(f64, Vec<f64>)>,
+    goal_weight: Vec<f64>,
+    end_velocity_weight: Vec<f64>,
+    via_weight: Vec<f64>,
+    tracking_weight: f64,
+    contact_force_weight: f64,
+    acceleration_weight: Vec<f64>,
+    stiffness_weight: Vec<f64>,
+    damping_weight: Vec<f64>,
+}
+
+impl CostModel {
+    pub(crate) fn new(task: &Task) -> Self {
+        let axes = task.axis.len();
+        let spread = |value: &PerAxis| (0..axes).map(|i| value.of(i)).collect();
+        let cost = &task.cost;
+        Self {
+            goal: task.axis.iter().map(|axis| axis.goal).collect(),
+            via: task.via_point.iter().map(|via| (via.time, via.position.clone())).collect(),
+            goal_weight: spread(&cost.goal),
+            end_velocity_weight: spread(&cost.end_velocity),
+            via_weight: spread(&cost.via_point),
+            tracking_weight: cost.tracking,
+            contact_force_weight: cost.contact_force,
+            acceleration_weight: spread(&cost.acceleration),
+            stiffness_weight: spread(&cost.stiffness),
+            damping_weight: spread(&cost.damping),
+        }
+    }
+
+    /// Writes what `trace` costs.
+    pub(crate) fn evaluate(&self, trace: &Trace, cost: &mut Cost) {
+        let (steps, dt) = (trace.steps(), trace.dt());
+        cost.running.clear();
+        cost.running.resize(steps, 0.0);
+        cost.terms.clear();
+        cost.terms.resize(Term::ALL.len(), 0.0);
+        cost.terminal = 0.0;
+        for (a, axis) in trace.axes.iter().enumerate() {
+            let end = |weight: f64, error: f64| 0.5 * weight * error * error;
+            let goal = end(self.goal_weight[a], axis.position[steps] - self.goal[a]);
+            let end_velocity = end(self.end_velocity_weight[a], axis.velocity[steps]);
+            cost.terminal += goal + end_velocity;
+            cost.terms[Term::Goal as usize] += goal;
+            cost.terms[Term::EndVelocity as usize] += end_velocity;
+
+            for (time, position) in &self.via {
+                let via = end(self.via_weight[a], trace.sample(&axis.position, *time) - position[a]);
+                // The step that ends at or after the via point answers for it, with all before it.
+                let step = ((time / dt - 1e-6).ceil() as usize).clamp(1, steps) - 1;
+                cost.running[step] += via;
+                cost.terms[Term::ViaPoint as usize] += via;
+            }
+
+            let weight = self.acceleration_weight[a];
+            if weight > 0.0 {
+                let squares = axis.acceleration(dt).map(|a| a * a);
+                add_running(cost, Term::Acceleration, 0.5 * weight * dt, squares);
+            }
+            let gains = [
+                (Term::Stiffness, self.stiffness_weight[a], &axis.stiffness),
+                (Term::Damping, self.damping_weight[a], &axis.damping),
+            ];
+            for (term, weight, signal) in gains {
+                if weight > 0.0 {
+                    add_running(cost, term, 0.5 * weight * dt, mean_squares(signal.iter().copied()));
+                }
+            }
+        }
+        if let Some(contact) = &trace.contact {
+            if self.tracking_weight > 0.0 {
+                let squares = mean_squares(contact.deviation.iter().copied());
+                add_running(cost, Term::Tracking, 0.5 * self.tracking_weight * dt, squares);
+            }
+            if self.contact_force_weight > 0.0 {
+                let squares = mean_squares(contact.force.iter().map(|force| force - contact.set_point));
+                add_running(cost, Term::ContactForce, 0.5 * self.contact_force_weight * dt, squares);
+            }
+        }
+    }
+}
+
+/// Mean of the squares at both ends of each step: the trapezoid rule.
+fn mean_squares(signal: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item = f64> {
+    signal.clone().zip(signal.skip(1)).map(|(now, next)| 0.5 * (now * now + next * next))
+}
+
+fn add_running(cost: &mut Cost, term: Term, factor: f64, squares: impl Iterator<Item = f64>) {
+    let mut sum = 0.0;
+    for (slot, square) in cost.running.iter_mut().zip(squares) {
+        let value = factor * square;
+        *slot += value;
+        sum += value;
+    }
+    cost.terms[term as usize] += sum;
+}

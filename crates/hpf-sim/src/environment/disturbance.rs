@@ -1,0 +1,110 @@
+//! Forces on the tool over time.
+
+mod pulse;
+mod ramp;
+mod sine;
+mod step;
+mod table;
+
+pub use pulse::Pulse;
+pub use ramp::Ramp;
+pub use sine::Sine;
+pub use step::Step;
+pub use table::{Samples, Table, TableError};
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// `[[disturbance]]`: a force of the environment on the tool.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Disturbance {
+    /// Swings.
+    Sine(Sine),
+    /// Jumps, and stays.
+    Step(Step),
+    /// Jumps, and jumps back.
+    Pulse(Pulse),
+    /// Grows, and stays.
+    Ramp(Ramp),
+    /// Follows a table from a CSV file.
+    Table(Table),
+}
+
+/// On which side of a jump a force is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// As time comes near from before.
+    Before,
+    /// From then on.
+    After,
+}
+
+/// Times this close count as the same [s]: step times are rounded products of a count and a step.
+const SAME_TIME: f64 = 1e-9;
+
+/// Whether a jump at `jump` [s] has happened at `time` [s], seen from `side`.
+fn has_jumped(jump: f64, time: f64, side: Side) -> bool {
+    match side {
+        Side::Before => time > jump + SAME_TIME,
+        Side::After => time >= jump - SAME_TIME,
+    }
+}
+
+impl Disturbance {
+    /// The axis it acts on.
+    pub fn axis(&self) -> &str {
+        match self {
+            Self::Sine(Sine { axis, .. })
+            | Self::Step(Step { axis, .. })
+            | Self::Pulse(Pulse { axis, .. })
+            | Self::Ramp(Ramp { axis, .. })
+            | Self::Table(Table { axis, .. }) => axis,
+        }
+    }
+
+    /// The force at `time` [s], on one side of it where it jumps [N].
+    pub fn force(&self, time: f64, side: Side) -> f64 {
+        match self {
+            Self::Sine(sine) => sine.force(time),
+            Self::Step(step) => step.force(time, side),
+            Self::Pulse(pulse) => pulse.force(time, side),
+            Self::Ramp(ramp) => ramp.force(time),
+            Self::Table(table) => table.force(time),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pulse_jumps_up_and_down_and_a_step_stays() {
+        let pulse = Pulse { axis: "x".into(), amplitude: 3.0, start: 1.0, length: 0.5 };
+        let step = Step { axis: "x".into(), amplitude: 3.0, start: 1.0 };
+        for (time, side, during_pulse, after_step) in [
+            (0.9, Side::After, 0.0, 0.0),
+            (1.0, Side::Before, 0.0, 0.0),
+            (1.0, Side::After, 3.0, 3.0),
+            (1.2, Side::After, 3.0, 3.0),
+            (1.5, Side::Before, 3.0, 3.0),
+            (1.5, Side::After, 0.0, 3.0),
+        ] {
+            assert_eq!(pulse.force(time, side), during_pulse, "pulse at {time} {side:?}");
+            assert_eq!(step.force(time, side), after_step, "step at {time} {side:?}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_grows_between_its_ends() {
+        let ramp = Ramp { axis: "x".into(), amplitude: 4.0, start: 1.0, length: 2.0 };
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|time| ramp.force(time)), [0.0, 0.0, 2.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn a_sine_of_the_duration_pushes_then_pulls() {
+        let sine = Sine { axis: "x".into(), amplitude: 10.0, period: 5.0, phase: 0.0 };
+        assert!((sine.force(1.25) - 10.0).abs() < 1e-12 && (sine.force(3.75) + 10.0).abs() < 1e-12);
+    }
+}

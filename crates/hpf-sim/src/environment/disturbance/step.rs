@@ -1,0 +1,25 @@
+//! A force that jumps at `start` and stays.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::{Side, has_jumped};
+
+/// `[[disturbance]] kind = "step"`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Step {
+    /// Axis it acts on.
+    pub axis: String,
+    /// Force after the jump [N].
+    pub amplitude: f64,
+    /// When it jumps [s].
+    #[schemars(range(min = 0))]
+    pub start: f64,
+}
+
+impl Step {
+    pub(super) fn force(&self, time: f64, side: Side) -> f64 {
+        if has_jumped(self.start, time, side) { self.amplitude } else { 0.0 }
+    }
+}

@@ -1,0 +1,96 @@
+//! What a motion is judged by: every target of `[accept]`, and the environment's own measures.
+
+use crate::environment::Contact;
+use crate::simulation::Simulation;
+use crate::task::Unit;
+use crate::trace::{AxisTrace, Trace};
+
+/// How long a contact may take to settle before its force is judged [s].
+pub const SETTLING_TIME: f64 = 0.1;
+
+/// One measure of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metric {
+    /// Its name: the key of its target in `[accept]` where it can have one.
+    pub name: &'static str,
+    /// Its unit; empty for a number without one.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The largest value that passes, where the task names one.
+    pub target: Option<f64>,
+}
+
+impl Metric {
+    /// Whether it passes; `None` without a target.
+    pub fn pass(&self) -> Option<bool> {
+        // A NaN passes nothing.
+        self.target.map(|target| self.value <= target)
+    }
+}
+
+impl Simulation {
+    /// All measures of `trace`.
+    pub fn metrics(&self, trace: &Trace) -> Vec<Metric> {
+        let accept = &self.task.accept;
+        let rotary = self.task.axis.iter().any(|axis| axis.unit == Unit::Rad);
+        let linear = self.task.axis.iter().any(|axis| axis.unit == Unit::M);
+        // Where axes of both kinds come together, a distance over all of them has no unit.
+        let units: [&str; 5] = match (linear, rotary) {
+            (true, false) => ["m", "m/s", "N", "N/m", "N s/m"],
+            (false, true) => ["rad", "rad/s", "N m", "N m/rad", "N m s/rad"],
+            _ => [""; 5],
+        };
+        let [length, speed, force, stiffness, damping] = units;
+        let steps = trace.steps();
+        let metric = |name, unit, value, target| Metric { name, unit, value, target };
+        let mut metrics = Vec::new();
+        let distance = |target: &dyn Fn(usize) -> f64, position: &dyn Fn(usize) -> f64| {
+            (0..trace.axes.len()).map(|a| (position(a) - target(a)).powi(2)).sum::<f64>().sqrt()
+        };
+
+        if let (Some(contact), Some(task_contact)) = (&trace.contact, &self.task.contact) {
+            let deviation = largest(contact.deviation.iter().map(|deviation| deviation.abs()));
+            metrics.push(metric("max_deviation", length, deviation, accept.max_deviation));
+            let settled = trace.time.iter().zip(&contact.force).filter(|(time, _)| **time >= SETTLING_TIME);
+            let error = largest(settled.map(|(_, force)| (force - contact.set_point).abs()));
+            metrics.push(metric("max_force_error", force, error, accept.max_force_error));
+            let lost = contact.force.iter().skip(1).filter(|force| **force <= 0.0).count() as f64 * trace.dt();
+            metrics.push(metric("max_contact_loss", "s", lost, accept.max_contact_loss));
+            if matches!(task_contact, Contact::Wall(_)) {
+                metrics.push(metric("peak_contact_force", force, largest(contact.force.iter().copied()), None));
+            }
+        }
+        if !self.task.via_point.is_empty() {
+            let errors = self
+                .task
+                .via_point
+                .iter()
+                .map(|via| distance(&|a| via.position[a], &|a| trace.sample(&trace.axes[a].position, via.time)));
+            metrics.push(metric("max_via_error", length, largest(errors), accept.max_via_error));
+        }
+        let goal = distance(&|a| self.task.axis[a].goal, &|a| trace.axes[a].position[steps]);
+        metrics.push(metric("max_goal_error", length, goal, accept.max_goal_error));
+        let end_speed = distance(&|_| 0.0, &|a| trace.axes[a].velocity[steps]);
+        metrics.push(metric("max_end_speed", speed, end_speed, accept.max_end_speed));
+        metrics.push(metric("max_cost", "", self.cost(trace).total(), accept.max_cost));
+
+        let offsets = trace.axes.iter().flat_map(|axis| axis.position.iter().zip(&axis.reference_position));
+        metrics.push(metric("peak_offset", length, largest(offsets.map(|(p, r)| (p - r).abs())), None));
+        let gains: [(_, _, fn(&AxisTrace) -> &[f64]); 2] = [
+            (["stiffness_min", "stiffness_max"], stiffness, |axis| &axis.stiffness),
+            (["damping_min", "damping_max"], damping, |axis| &axis.damping),
+        ];
+        for ([min_name, max_name], unit, signal) in gains {
+            let values = || trace.axes.iter().flat_map(signal).copied();
+            metrics.push(metric(min_name, unit, -largest(values().map(|value| -value)), None));
+            metrics.push(metric(max_name, unit, largest(values()), None));
+        }
+        metrics
+    }
+}
+
+/// The largest of some numbers; NaN if one of them is.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::NEG_INFINITY, |most, value| if value.is_nan() || value > most { value } else { most })
+}

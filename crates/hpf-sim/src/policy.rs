@@ -1,0 +1,383 @@
+//! The policy file: a learned skill, complete in itself.
+
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use serde::{Deserialize, Serialize};
+
+use crate::task::{self, MAX_AXES, MAX_BASIS, NamedScaling, Scaling, Task, Unit};
+
+/// The format name inside a policy file.
+const FORMAT: &str = "hpf-policy";
+/// The version this library writes, and the only one it reads.
+const VERSION: u32 = 1;
+/// Largest policy file read [bytes].
+pub const MAX_POLICY_BYTES: usize = 16 << 20;
+
+/// A skill: phase, admittance, and the three primitives of every axis.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Policy {
+    /// Always "hpf-policy".
+    pub format: String,
+    /// Version of the format.
+    pub version: u32,
+    /// Name of the task it was learned for.
+    pub task: String,
+    /// Duration of the movement [s].
+    pub duration_s: f64,
+    /// The phase all primitives share.
+    pub phase: PhasePolicy,
+    /// The admittance law it was learned with.
+    pub admittance: AdmittancePolicy,
+    /// The primitives of each axis, in axis order.
+    pub axes: Vec<AxisPolicy>,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// The phase of a policy.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PhasePolicy {
+    /// s(T) = exp(-decay).
+    pub decay: f64,
+}
+
+/// The admittance law of a policy.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AdmittancePolicy {
+    /// Order of the law.
+    pub order: u8,
+}
+
+/// The primitives of one axis.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisPolicy {
+    /// Name of the axis.
+    pub name: String,
+    /// Its unit.
+    pub unit: Unit,
+    /// Where the movement starts [unit].
+    pub start: f64,
+    /// Where it ends [unit].
+    pub goal: f64,
+    /// Where to go.
+    pub movement: MovementPolicy,
+    /// How stiffly to hold it.
+    pub stiffness: GainPolicy,
+    /// How much to damp it.
+    pub damping: GainPolicy,
+}
+
+/// A movement primitive.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MovementPolicy {
+    /// Spring factor.
+    pub alpha: f64,
+    /// Always alpha/4: critically damped.
+    pub beta: f64,
+    /// Scale A of the forcing term [unit].
+    pub forcing_scale: f64,
+    /// Centers of the basis, oldest phase first.
+    pub centers: Vec<f64>,
+    /// Widths h_i of the basis.
+    pub widths: Vec<f64>,
+    /// One weight per basis function.
+    pub weights: Vec<f64>,
+}
+
+/// A stiffness or damping primitive.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct GainPolicy {
+    /// Smallest value [N/m or N s/m].
+    pub min: f64,
+    /// Largest value [N/m or N s/m].
+    pub max: f64,
+    /// Centers of the basis, oldest phase first.
+    pub centers: Vec<f64>,
+    /// Widths h_i of the basis.
+    pub widths: Vec<f64>,
+    /// One weight per basis function, within the bounds.
+    pub weights: Vec<f64>,
+}
+
+/// Where a policy comes from.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Version of HPF that wrote it.
+    pub hpf: String,
+    /// SHA-256 of the task as run, in hexadecimal.
+    pub task_sha256: String,
+    /// Seed of the learning.
+    pub seed: u64,
+    /// Updates that led to it.
+    pub updates: usize,
+    /// Its cost.
+    pub cost: f64,
+}
+
+/// Why a policy was refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PolicyError {
+    /// It is not JSON of the right shape.
+    #[error("line {line}, column {column}: {message}")]
+    Json {
+        /// Counted from 1.
+        line: usize,
+        /// Counted from 1.
+        column: usize,
+        /// What the parser says.
+        message: String,
+    },
+    /// It says to be something else.
+    #[error("`{field}` is {found}, this version reads {expected}")]
+    Format {
+        /// `format` or `version`.
+        field: &'static str,
+        /// What it says.
+        found: String,
+        /// What is read.
+        expected: String,
+    },
+    /// One of its numbers cannot be.
+    #[error("{place}: {reason}")]
+    Value {
+        /// Where, such as `axes[0].stiffness.weights[3]`.
+        place: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+fn value_error(place: impl Into<String>, reason: impl ToString) -> PolicyError {
+    PolicyError::Value { place: place.into(), reason: reason.to_string() }
+}
+
+/// Centers and widths.
+type BasisLists = (Vec<f64>, Vec<f64>);
+
+impl Policy {
+    /// The policy before learning: the bare pull to the goal, with the task's initial stiffness and damping.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where the task's numbers overflow; a checked task's do not in any ordinary range.
+    pub fn initial(task: &Task) -> Result<Self, ConfigError> {
+        let decay = task.phase.decay;
+        let lists = |count: usize, overlap: f64| -> Result<BasisLists, ConfigError> {
+            let basis = Basis::equally_spaced(decay, overlap, vec![0.0; count], vec![0.0; count])?;
+            Ok((basis.centers().to_vec(), basis.widths().to_vec()))
+        };
+        let movement = lists(task.movement.basis, task.movement.overlap)?;
+        let gain = |gain: &task::Gain, i: usize| -> Result<GainPolicy, ConfigError> {
+            let (centers, widths) = lists(gain.basis, gain.overlap)?;
+            let weights = vec![gain.initial.of(i); gain.basis];
+            Ok(GainPolicy { min: gain.min.of(i), max: gain.max.of(i), centers, widths, weights })
+        };
+        let axes = task.axis.iter().enumerate().map(|(i, axis)| {
+            let alpha = task.movement.alpha.of(i);
+            Ok(AxisPolicy {
+                name: axis.name.clone(),
+                unit: axis.unit,
+                start: axis.start,
+                goal: axis.goal,
+                movement: MovementPolicy {
+                    alpha,
+                    beta: 0.25 * alpha,
+                    forcing_scale: match &task.movement.scaling {
+                        Scaling::Named(NamedScaling::Goal) => axis.goal - axis.start,
+                        Scaling::Named(NamedScaling::Unit) => 1.0,
+                        Scaling::Given(given) => given.amplitude.of(i),
+                    },
+                    centers: movement.0.clone(),
+                    widths: movement.1.clone(),
+                    weights: vec![0.0; task.movement.basis],
+                },
+                stiffness: gain(&task.stiffness, i)?,
+                damping: gain(&task.damping, i)?,
+            })
+        });
+        Ok(Self {
+            format: FORMAT.into(),
+            version: VERSION,
+            task: task.name.clone(),
+            duration_s: task.duration,
+            phase: PhasePolicy { decay },
+            admittance: AdmittancePolicy { order: task.admittance.order },
+            axes: axes.collect::<Result<_, _>>()?,
+            provenance: Provenance {
+                hpf: env!("CARGO_PKG_VERSION").into(),
+                task_sha256: String::new(),
+                seed: task.learning.seed,
+                updates: 0,
+                cost: 0.0,
+            },
+        })
+    }
+
+    /// Reads a policy file.
+    ///
+    /// # Errors
+    /// [`PolicyError`] for anything but a policy of this version whose numbers all hold together.
+    pub fn parse(text: &str) -> Result<Self, PolicyError> {
+        let json = |error: serde_json::Error| {
+            let message = error.to_string();
+            let message = message.split(" at line ").next().unwrap_or_default().to_owned();
+            PolicyError::Json { line: error.line(), column: error.column(), message }
+        };
+        // Format and version first: another version's fields would only be called unknown.
+        let value: serde_json::Value = serde_json::from_str(text).map_err(json)?;
+        let found = |field: &str| value.get(field).map_or("missing".to_owned(), ToString::to_string);
+        if value.get("format").and_then(|format| format.as_str()) != Some(FORMAT) {
+            let expected = format!("\"{FORMAT}\"");
+            return Err(PolicyError::Format { field: "format", found: found("format"), expected });
+        }
+        if value.get("version").and_then(serde_json::Value::as_u64) != Some(VERSION.into()) {
+            return Err(PolicyError::Format {
+                field: "version",
+                found: found("version"),
+                expected: VERSION.to_string(),
+            });
+        }
+        let policy: Self = serde_json::from_str(text).map_err(json)?;
+        policy.check()?;
+        Ok(policy)
+    }
+
+    /// The policy as the text of its file: numbers read back to the same bits.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).expect("a policy has no map with keys other than text");
+        text.push('\n');
+        text
+    }
+
+    fn check(&self) -> Result<(), PolicyError> {
+        Phase::new(self.duration_s, self.phase.decay)
+            .map_err(|reason| value_error("duration_s, phase.decay", reason))?;
+        if self.admittance.order != 1 {
+            return Err(value_error("admittance.order", format!("must be 1, not {}", self.admittance.order)));
+        }
+        if !(1..=MAX_AXES).contains(&self.axes.len()) {
+            return Err(value_error("axes", format!("1 to {MAX_AXES} are allowed, not {}", self.axes.len())));
+        }
+        for (i, axis) in self.axes.iter().enumerate() {
+            let place = format!("axes[{i}]");
+            let movement = &axis.movement;
+            check_basis(&format!("{place}.movement"), &movement.centers, &movement.widths, &movement.weights)?;
+            if (movement.beta - 0.25 * movement.alpha).abs() > 1e-12 * movement.alpha.abs() {
+                let reason = format!("must be alpha/4 = {}, not {}", 0.25 * movement.alpha, movement.beta);
+                return Err(value_error(format!("{place}.movement.beta"), reason));
+            }
+            let weights = movement.weights.as_slice();
+            Movement::new(axis.start, axis.goal, movement.alpha, movement.forcing_scale, weights)
+                .map_err(|reason| value_error(&place, reason))?;
+            for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
+                let place = format!("{place}.{name}");
+                check_basis(&place, &gain.centers, &gain.widths, &gain.weights)?;
+                for (j, &weight) in gain.weights.iter().enumerate() {
+                    Gain::new(gain.min, gain.max, [weight])
+                        .map_err(|reason| value_error(format!("{place}.weights[{j}]"), reason))?;
+                }
+            }
+            for (name, mine, first) in [
+                ("movement", (&movement.centers, &movement.widths), {
+                    let first = &self.axes[0].movement;
+                    (&first.centers, &first.widths)
+                }),
+                ("stiffness", axis.stiffness.lists(), self.axes[0].stiffness.lists()),
+                ("damping", axis.damping.lists(), self.axes[0].damping.lists()),
+            ] {
+                if mine != first {
+                    let reason = "centers and widths differ from those of axes[0]: axes share one basis per primitive";
+                    return Err(value_error(format!("{place}.{name}"), reason));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The phase.
+    pub(crate) fn phase(&self) -> Result<Phase<f64>, ConfigError> {
+        Phase::new(self.duration_s, self.phase.decay)
+    }
+
+    /// The bases of movement, stiffness and damping.
+    pub(crate) fn bases(&self) -> Result<[Basis<f64, Vec<f64>>; 3], ConfigError> {
+        let axis = self.axes.first().ok_or(ConfigError::TooFew { field: "axes", count: 0, least: 1 })?;
+        let (stiffness, damping) = (&axis.stiffness, &axis.damping);
+        Ok([
+            Basis::new(axis.movement.centers.clone(), axis.movement.widths.clone())?,
+            Basis::new(stiffness.centers.clone(), stiffness.widths.clone())?,
+            Basis::new(damping.centers.clone(), damping.widths.clone())?,
+        ])
+    }
+
+    /// The skill that a control loop steps, with `D` axes.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where the policy has another number of axes.
+    pub fn to_hybrid<const D: usize>(&self) -> Result<HybridPrimitive<f64, Vec<f64>, D>, ConfigError> {
+        let gain = |gain: &GainPolicy| Gain::new(gain.min, gain.max, gain.weights.clone());
+        let axes = self.axes.iter().map(|axis| {
+            let movement = &axis.movement;
+            Ok(AxisPrimitives {
+                movement: Movement::new(
+                    axis.start,
+                    axis.goal,
+                    movement.alpha,
+                    movement.forcing_scale,
+                    movement.weights.clone(),
+                )?,
+                stiffness: gain(&axis.stiffness)?,
+                damping: gain(&axis.damping)?,
+            })
+        });
+        let axes: Vec<_> = axes.collect::<Result<_, ConfigError>>()?;
+        let found = axes.len();
+        let axes = axes.try_into().map_err(|_| ConfigError::LengthMismatch { field: "axes", found, expected: D })?;
+        HybridPrimitive::new(self.phase()?, self.bases()?, axes)
+    }
+
+    /// All weights, axis by axis: movement, stiffness, damping.
+    pub fn weights(&self) -> Vec<f64> {
+        let lists = self.axes.iter().flat_map(|a| [&a.movement.weights, &a.stiffness.weights, &a.damping.weights]);
+        lists.flatten().copied().collect()
+    }
+
+    /// The same policy with other weights, in the order of [`Policy::weights`].
+    pub fn with_weights(mut self, weights: &[f64]) -> Self {
+        let mut next = weights.iter().copied();
+        let lists = self
+            .axes
+            .iter_mut()
+            .flat_map(|axis| [&mut axis.movement.weights, &mut axis.stiffness.weights, &mut axis.damping.weights]);
+        for (slot, weight) in lists.flatten().zip(&mut next) {
+            *slot = weight;
+        }
+        self
+    }
+}
+
+impl GainPolicy {
+    fn lists(&self) -> (&Vec<f64>, &Vec<f64>) {
+        (&self.centers, &self.widths)
+    }
+}
+
+fn check_basis(place: &str, centers: &[f64], widths: &[f64], weights: &[f64]) -> Result<(), PolicyError> {
+    Basis::new(centers, widths).map_err(|reason| value_error(place, reason))?;
+    if centers.len() > MAX_BASIS {
+        return Err(value_error(
+            place,
+            format!("at most {MAX_BASIS} basis functions are allowed, not {}", centers.len()),
+        ));
+    }
+    if weights.len() != centers.len() {
+        let reason = format!("{} weights for {} centers", weights.len(), centers.len());
+        return Err(value_error(format!("{place}.weights"), reason));
+    }
+    Ok(())
+}

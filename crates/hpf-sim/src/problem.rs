@@ -1,0 +1,102 @@
+//! A simulation as something to learn.
+
+use hpf_learn::{Anneal, Block, Cost, Credit, Exploration, Parameters, Pi2Options, Problem, Temperature, fit};
+
+use crate::environment::cantilever::minimum_jerk;
+use crate::policy::Policy;
+use crate::simulation::Simulation;
+use crate::task::{AnnealKind, CreditKind, ExplorationKind, InitialPath, Learning, Preset, TemperatureKind};
+use crate::trace::Trace;
+
+impl Problem for Simulation {
+    type Workspace = Trace;
+
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn steps(&self) -> usize {
+        self.step_count()
+    }
+
+    fn terms(&self) -> &[&'static str] {
+        self.term_names()
+    }
+
+    fn workspace(&self) -> Trace {
+        self.blank_trace()
+    }
+
+    fn rollout(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
+        self.rollout_into(parameters, trace);
+        self.cost_into(trace, cost);
+    }
+}
+
+impl Learning {
+    /// The settings of PI2 that the keys of `[learning]` come to: the preset's, where a key is left out.
+    pub fn pi2_options(&self) -> Pi2Options {
+        let preset = match self.preset {
+            Preset::Pi2 => Pi2Options::default(),
+            Preset::Paper => Pi2Options::paper(PAPER_LAMBDA),
+        };
+        Pi2Options {
+            rollouts: self.rollouts,
+            updates: self.updates,
+            temperature: match self.temperature {
+                Some(TemperatureKind::Range(h)) => Temperature::Range(h),
+                Some(TemperatureKind::Lambda(lambda)) => Temperature::Lambda(lambda),
+                None => preset.temperature,
+            },
+            credit: match self.credit {
+                Some(CreditKind::ToGo) => Credit::ToGo,
+                Some(CreditKind::Total) => Credit::Total,
+                None => preset.credit,
+            },
+            exploration: match self.exploration {
+                Some(ExplorationKind::Rollout) => Exploration::Rollout,
+                Some(ExplorationKind::Step) => Exploration::Step,
+                None => preset.exploration,
+            },
+            anneal: match self.anneal {
+                AnnealKind::None => Anneal::None,
+                AnnealKind::Linear => Anneal::Linear { last: self.final_noise },
+                AnnealKind::Geometric => Anneal::Geometric { last: self.final_noise },
+            },
+            seed: self.seed,
+        }
+    }
+}
+
+/// lambda of the paper's preset, in the unit of the cost. The paper does not state its value; 1 is a choice.
+const PAPER_LAMBDA: f64 = 1.0;
+
+/// Penalty of the fit that starts a path: enough to determine the weights, too little to bend the path.
+const START_PENALTY: f64 = 1e-9;
+
+impl Simulation {
+    /// The weights that learning starts from: the policy's own, or those of the path that the task asks for.
+    ///
+    /// # Errors
+    /// [`fit::FitError`] where the path cannot be fitted.
+    pub fn starting_weights(&self, policy: &Policy) -> Result<Vec<f64>, fit::FitError> {
+        let mut policy = policy.clone();
+        if self.task.learning.initial_path == InitialPath::MinimumJerk {
+            let phases = self.blank_trace().phase;
+            let middle: Vec<f64> = phases.windows(2).map(|pair| (pair[0] * pair[1]).sqrt()).collect();
+            for (axis, blocks) in policy.axes.iter_mut().zip(self.blocks.chunks_exact(3)) {
+                let steps = self.step_count();
+                let path = |i: usize| axis.start + (axis.goal - axis.start) * minimum_jerk(i as f64 / steps as f64);
+                let positions: Vec<f64> = (0..=steps).map(path).collect();
+                let movement = &mut axis.movement;
+                let forcing = fit::movement_forcing(&positions, axis.goal, movement.alpha, 1.0 / steps as f64);
+                let rows = blocks[0].features.chunks_exact(blocks[0].count).zip(&middle);
+                let scale = movement.forcing_scale;
+                let features: Vec<f64> = rows.flat_map(|(row, s)| row.iter().map(move |phi| s * scale * phi)).collect();
+                let penalty = START_PENALTY * scale * scale;
+                movement.weights = fit::ridge(&features, blocks[0].count, &forcing, penalty)?;
+            }
+        }
+        Ok(policy.weights())
+    }
+}

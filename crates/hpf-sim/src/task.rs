@@ -1,0 +1,518 @@
+//! The task file: what to learn, in which environment, at what price.
+//!
+//! [`Task::parse`] reads TOML and answers with every mistake at once, each with its place in the text. The structs
+//! below are the file format: [`Task::schema`] and the checks are made from them, so that neither can fall behind.
+//! SI units; a per-axis value is one number for all axes or an array in axis order.
+
+mod keys;
+mod rules;
+
+use core::ops::Range;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::environment::{Contact, Disturbance};
+
+/// Most axes a task may have.
+pub const MAX_AXES: usize = 7;
+/// Most basis functions of one primitive.
+pub const MAX_BASIS: usize = 1000;
+/// Most steps of one rollout.
+pub const MAX_STEPS: usize = 1_000_000;
+/// Most rollouts of one update.
+pub const MAX_ROLLOUTS: usize = 100_000;
+/// Largest task file read [bytes].
+pub const MAX_TASK_BYTES: usize = 1 << 20;
+/// Goal scaling needs a goal at least this far from the start [axis unit]: the forcing term is scaled by it.
+pub const MIN_GOAL_DISTANCE: f64 = 1e-6;
+
+/// A task, checked.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Task {
+    /// Name of the task and of its run directory: letters, digits, `_`, `-` and `.`.
+    pub name: String,
+    /// Duration of the movement [s].
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub duration: f64,
+    /// Control and logging rate [Hz].
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate: f64,
+    /// One table per degree of freedom.
+    #[schemars(length(min = 1, max = 7))]
+    pub axis: Vec<Axis>,
+    /// The phase all primitives share.
+    #[serde(default)]
+    pub phase: Phase,
+    /// Movement primitive.
+    #[serde(default)]
+    pub movement: Movement,
+    /// Stiffness primitive [N/m].
+    pub stiffness: Gain,
+    /// Damping primitive [N s/m].
+    pub damping: Gain,
+    /// Admittance law.
+    #[serde(default)]
+    pub admittance: Admittance,
+    /// Forces on the tool.
+    #[serde(default)]
+    pub disturbance: Vec<Disturbance>,
+    /// What the tool touches.
+    pub contact: Option<Contact>,
+    /// Positions to pass through.
+    #[serde(default)]
+    pub via_point: Vec<ViaPoint>,
+    /// Weights of the cost terms.
+    #[serde(default)]
+    pub cost: CostWeights,
+    /// How to learn.
+    #[serde(default)]
+    pub learning: Learning,
+    /// What to keep.
+    #[serde(default)]
+    pub output: Output,
+    /// Targets: `learn` and `run` print pass or fail, and exit with 3 on a miss.
+    #[serde(default)]
+    pub accept: Accept,
+}
+
+/// One degree of freedom.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Axis {
+    /// Name: a letter, then letters, digits or `_`.
+    pub name: String,
+    /// Unit of its position.
+    #[serde(default)]
+    pub unit: Unit,
+    /// Where the movement starts, at rest [unit].
+    pub start: f64,
+    /// Where the movement ends [unit].
+    pub goal: f64,
+}
+
+/// Unit of an axis.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unit {
+    /// Metre: forces in N, stiffness in N/m.
+    #[default]
+    M,
+    /// Radian: torques in N m, stiffness in N m/rad.
+    Rad,
+}
+
+/// `[phase]`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Phase {
+    /// Decay over the duration: s(T) = exp(-decay).
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 100))]
+    pub decay: f64,
+}
+
+impl Default for Phase {
+    fn default() -> Self {
+        Self { decay: 100.0_f64.ln() }
+    }
+}
+
+/// `[movement]`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Movement {
+    /// Number of basis functions.
+    #[schemars(range(min = 2, max = 1000))]
+    pub basis: usize,
+    /// Value of a basis function at its neighbour's center.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub overlap: f64,
+    /// Spring factor alpha; beta is alpha/4.
+    pub alpha: PerAxis,
+    /// Scale of the forcing term.
+    pub scaling: Scaling,
+}
+
+impl Default for Movement {
+    fn default() -> Self {
+        Self {
+            basis: 20,
+            overlap: hpf_core::basis::DEFAULT_OVERLAP,
+            alpha: PerAxis::All(hpf_core::movement::DEFAULT_ALPHA),
+            scaling: Scaling::Named(NamedScaling::Goal),
+        }
+    }
+}
+
+/// Scale A of the forcing term.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(untagged)]
+pub enum Scaling {
+    /// A named scale.
+    Named(NamedScaling),
+    /// A given amplitude.
+    Given(Amplitude),
+}
+
+/// A named scale of the forcing term.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum NamedScaling {
+    /// A = goal - start, as in the paper.
+    Goal,
+    /// A = 1.
+    Unit,
+}
+
+/// A given scale of the forcing term.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Amplitude {
+    /// A [axis unit].
+    pub amplitude: PerAxis,
+}
+
+/// `[stiffness]` or `[damping]`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Gain {
+    /// Number of basis functions.
+    #[serde(default = "default_basis")]
+    #[schemars(range(min = 2, max = 1000))]
+    pub basis: usize,
+    /// Value of a basis function at its neighbour's center.
+    #[serde(default = "default_overlap")]
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub overlap: f64,
+    /// Value before learning [N/m or N s/m].
+    pub initial: PerAxis,
+    /// Smallest value [N/m or N s/m], above 0.
+    pub min: PerAxis,
+    /// Largest value [N/m or N s/m].
+    pub max: PerAxis,
+}
+
+fn default_basis() -> usize {
+    20
+}
+
+fn default_overlap() -> f64 {
+    hpf_core::basis::DEFAULT_OVERLAP
+}
+
+/// `[admittance]`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Admittance {
+    /// Order of the law: 1, `d e' + k e = f`.
+    #[schemars(range(min = 1, max = 1))]
+    pub order: u8,
+}
+
+impl Default for Admittance {
+    fn default() -> Self {
+        Self { order: 1 }
+    }
+}
+
+/// `[[via_point]]`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct ViaPoint {
+    /// When to pass [s], after the start and no later than the duration.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub time: f64,
+    /// Where to pass, one number per axis [axis unit].
+    pub position: Vec<f64>,
+}
+
+/// `[cost]`: weights of the terms; each term is half the weight times a square. Nought leaves a term out.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct CostWeights {
+    /// Distance to the goal at the end [1/unit^2].
+    pub goal: PerAxis,
+    /// Velocity at the end [s^2/unit^2].
+    pub end_velocity: PerAxis,
+    /// Distance to each via point at its time [1/unit^2].
+    pub via_point: PerAxis,
+    /// Deviation from the curve of the contact, integrated over time [1/(unit^2 s)].
+    #[schemars(range(min = 0))]
+    pub tracking: f64,
+    /// Contact force away from its set-point, integrated over time [1/(N^2 s)].
+    #[schemars(range(min = 0))]
+    pub contact_force: f64,
+    /// Acceleration, integrated over time [s^3/unit^2].
+    pub acceleration: PerAxis,
+    /// Stiffness, integrated over time [m^2/(N^2 s)].
+    pub stiffness: PerAxis,
+    /// Damping, integrated over time [m^2/(N^2 s^3)].
+    pub damping: PerAxis,
+}
+
+/// `[learning]`
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Learning {
+    /// The learning method.
+    pub method: Method,
+    /// Where the settings below start from.
+    pub preset: Preset,
+    /// Number of updates.
+    #[schemars(range(min = 1, max = 1_000_000))]
+    pub updates: usize,
+    /// Rollouts per update.
+    #[schemars(range(min = 2, max = 100_000))]
+    pub rollouts: usize,
+    /// Stop before more motions than this are made; every motion counts, evaluations too.
+    #[schemars(range(min = 1))]
+    pub max_rollouts: Option<usize>,
+    /// Standard deviation of the exploration at the first update.
+    pub noise: Noise,
+    /// When exploration is drawn; the preset decides where this is left out.
+    pub exploration: Option<ExplorationKind>,
+    /// How exploration shrinks over the updates.
+    pub anneal: AnnealKind,
+    /// Exploration at the last update, as a fraction of the first.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1))]
+    pub final_noise: f64,
+    /// How costs become weights; the preset decides where this is left out.
+    pub temperature: Option<TemperatureKind>,
+    /// Which cost a step answers for; the preset decides where this is left out.
+    pub credit: Option<CreditKind>,
+    /// The path that learning starts from.
+    pub initial_path: InitialPath,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for Learning {
+    fn default() -> Self {
+        Self {
+            method: Method::Pi2,
+            preset: Preset::Pi2,
+            updates: 100,
+            rollouts: 20,
+            max_rollouts: None,
+            noise: Noise::default(),
+            exploration: None,
+            anneal: AnnealKind::Linear,
+            final_noise: 0.1,
+            temperature: None,
+            credit: None,
+            initial_path: InitialPath::Pull,
+            seed: 1,
+        }
+    }
+}
+
+/// A learning method.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+pub enum Method {
+    /// Policy improvement with path integrals.
+    #[serde(rename = "pi2")]
+    Pi2,
+}
+
+/// Settings of PI2 to start from.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// The canonical method: one draw per rollout, range weights with h = 10, cost to go.
+    Pi2,
+    /// The paper's reading: noise at every step, a fixed lambda, the full sum as cost.
+    Paper,
+}
+
+/// Standard deviation of the exploration, by primitive.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Noise {
+    /// Of the movement's weights [1].
+    pub movement: PerAxis,
+    /// Of the stiffness's weights [N/m].
+    pub stiffness: PerAxis,
+    /// Of the damping's weights [N s/m].
+    pub damping: PerAxis,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { movement: PerAxis::All(10.0), stiffness: PerAxis::All(20.0), damping: PerAxis::All(5.0) }
+    }
+}
+
+/// When exploration is drawn.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum ExplorationKind {
+    /// Once per rollout.
+    Rollout,
+    /// At every step.
+    Step,
+}
+
+/// How exploration shrinks.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum AnnealKind {
+    /// Not at all.
+    None,
+    /// In equal differences.
+    Linear,
+    /// In equal ratios.
+    Geometric,
+}
+
+/// How costs become weights: a table with one of the two keys.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub enum TemperatureKind {
+    /// softmax(-range (S - min)/(max - min)).
+    Range(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    /// softmax(-S/lambda), in the unit of the cost.
+    Lambda(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+}
+
+/// Which cost a step answers for.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum CreditKind {
+    /// What comes after it.
+    ToGo,
+    /// The whole rollout's.
+    Total,
+}
+
+/// The path that learning starts from.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum InitialPath {
+    /// The bare pull to the goal: all weights nought.
+    Pull,
+    /// Minimum jerk from start to goal, fitted.
+    MinimumJerk,
+}
+
+/// `[output]`
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Updates whose trajectory is kept and drawn.
+    pub snapshots: Vec<usize>,
+}
+
+/// `[accept]`: the largest values that pass.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct Accept {
+    /// Largest deviation from the curve of the contact [m].
+    #[schemars(range(min = 0))]
+    pub max_deviation: Option<f64>,
+    /// Largest error of the contact force after its first 0.1 s [N].
+    #[schemars(range(min = 0))]
+    pub max_force_error: Option<f64>,
+    /// Longest time without contact [s].
+    #[schemars(range(min = 0))]
+    pub max_contact_loss: Option<f64>,
+    /// Largest distance to a via point at its time [m].
+    #[schemars(range(min = 0))]
+    pub max_via_error: Option<f64>,
+    /// Largest distance to the goal at the end [m].
+    #[schemars(range(min = 0))]
+    pub max_goal_error: Option<f64>,
+    /// Largest speed at the end [m/s].
+    #[schemars(range(min = 0))]
+    pub max_end_speed: Option<f64>,
+    /// Largest cost.
+    #[schemars(range(min = 0))]
+    pub max_cost: Option<f64>,
+}
+
+/// A value for every axis: one number for all, or an array in axis order.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(untagged)]
+pub enum PerAxis {
+    /// The same for all axes.
+    All(f64),
+    /// One per axis.
+    Each(Vec<f64>),
+}
+
+impl Default for PerAxis {
+    fn default() -> Self {
+        Self::All(0.0)
+    }
+}
+
+impl PerAxis {
+    /// The value of axis `index`.
+    ///
+    /// # Panics
+    /// Where the array is shorter; a checked task's never is.
+    pub fn of(&self, index: usize) -> f64 {
+        match self {
+            Self::All(value) => *value,
+            Self::Each(values) => values[index],
+        }
+    }
+
+    /// All values written down.
+    pub fn values(&self) -> &[f64] {
+        match self {
+            Self::All(value) => core::slice::from_ref(value),
+            Self::Each(values) => values,
+        }
+    }
+}
+
+/// A mistake in a task file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Where, in bytes of the text.
+    pub span: Range<usize>,
+    /// What is wrong: lower case, no full stop.
+    pub message: String,
+    /// What is allowed, or what to do.
+    pub help: String,
+}
+
+impl Task {
+    /// Reads and checks a task file.
+    ///
+    /// # Errors
+    /// Every mistake found, in the order of the text.
+    pub fn parse(text: &str) -> Result<Self, Vec<Diagnostic>> {
+        let document = keys::Document::parse(text)?;
+        let mut found = document.check_against(&Self::schema());
+        if found.is_empty() {
+            match toml::from_str::<Self>(text) {
+                Ok(task) => {
+                    rules::check(&task, &document, &mut found);
+                    if found.is_empty() {
+                        return Ok(task);
+                    }
+                }
+                Err(error) => found.push(keys::from_toml(&error)),
+            }
+        }
+        found.sort_by_key(|diagnostic| diagnostic.span.start);
+        Err(found)
+    }
+
+    /// The JSON schema of the task file.
+    pub fn schema() -> serde_json::Value {
+        serde_json::Value::from(schemars::schema_for!(Self))
+    }
+
+    /// Steps of one rollout: duration times rate.
+    pub fn steps(&self) -> usize {
+        (self.duration * self.rate).round() as usize
+    }
+
+    /// The position of axis `name` in the list of axes.
+    pub fn axis_index(&self, name: &str) -> Option<usize> {
+        self.axis.iter().position(|axis| axis.name == name)
+    }
+}

@@ -1,0 +1,319 @@
+//! Keys, types and ranges of a task file, checked against the schema of the structs that hold it.
+//!
+//! Reading into structs stops at the first mistake; a user wants them all. This walk of the parsed document finds
+//! every unknown key, wrong type and number out of range, each with its place.
+
+use core::fmt::Write as _;
+use core::ops::Range;
+
+use serde_json::Value as Schema;
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+use super::Diagnostic;
+
+/// A parsed task file: values with their places.
+pub(super) struct Document<'a> {
+    root: Spanned<DeTable<'a>>,
+}
+
+/// A mistake that the TOML parser found.
+pub(super) fn from_toml(error: &toml::de::Error) -> Diagnostic {
+    Diagnostic {
+        span: error.span().unwrap_or(0..0),
+        message: error.message().replace('\n', ", "),
+        help: "the file must be valid TOML".into(),
+    }
+}
+
+impl<'a> Document<'a> {
+    /// Parses TOML; every error of syntax is reported.
+    pub(super) fn parse(text: &'a str) -> Result<Self, Vec<Diagnostic>> {
+        let (root, errors) = DeTable::parse_recoverable(text);
+        if errors.is_empty() { Ok(Self { root }) } else { Err(errors.iter().map(from_toml).collect()) }
+    }
+
+    /// All mistakes of keys, types and ranges.
+    pub(super) fn check_against(&self, schema: &Schema) -> Vec<Diagnostic> {
+        let mut walk = Walk { definitions: &schema["$defs"], found: Vec::new() };
+        walk.table(schema, self.root.get_ref(), 0..0, "the task");
+        walk.found
+    }
+
+    /// The place of the value at `path`, such as `via_point.0.time`; of the nearest table above it where the file
+    /// leaves it out.
+    pub(super) fn span(&self, path: &str) -> Range<usize> {
+        let mut span = 0..0;
+        let mut table = Some(self.root.get_ref());
+        let mut array: Option<&DeArray<'a>> = None;
+        for part in path.split('.') {
+            let next = match (table, array) {
+                (Some(table), _) => table.iter().find(|(key, _)| key.get_ref() == part).map(|(_, value)| value),
+                (_, Some(array)) => part.parse().ok().and_then(|index: usize| array.get(index)),
+                _ => None,
+            };
+            let Some(value) = next else { break };
+            span = value.span();
+            table = value.get_ref().as_table();
+            array = value.get_ref().as_array();
+        }
+        span
+    }
+}
+
+struct Walk<'s> {
+    definitions: &'s Schema,
+    found: Vec<Diagnostic>,
+}
+
+impl<'s> Walk<'s> {
+    fn say(&mut self, span: Range<usize>, message: String, help: String) {
+        self.found.push(Diagnostic { span, message, help });
+    }
+
+    fn resolve(&self, schema: &'s Schema) -> &'s Schema {
+        match schema["$ref"].as_str().and_then(|reference| reference.rsplit('/').next()) {
+            Some(name) => &self.definitions[name],
+            None => schema,
+        }
+    }
+
+    /// The schemas of which one must hold: the members of a union without "null", or the schema itself.
+    fn alternatives(&self, schema: &'s Schema) -> Vec<&'s Schema> {
+        let schema = self.resolve(schema);
+        let union = schema["anyOf"].as_array().or_else(|| schema["oneOf"].as_array());
+        match union {
+            Some(members) => {
+                let members = members.iter().filter(|member| member["type"] != "null");
+                members.flat_map(|member| self.alternatives(member)).collect()
+            }
+            None => vec![schema],
+        }
+    }
+
+    fn value(&mut self, schema: &'s Schema, value: &Spanned<DeValue<'_>>, key: &str) {
+        let alternatives = self.alternatives(schema);
+        let span = value.span();
+        if let DeValue::String(text) = value.get_ref() {
+            let names: Vec<&str> = alternatives.iter().flat_map(|schema| names(schema)).collect();
+            if !names.is_empty() {
+                if !names.contains(&text.as_ref()) {
+                    self.say(span, unknown("value", text, &names), format!("`{key}` is one of: {}", names.join(", ")));
+                }
+                return;
+            }
+        }
+        if let (DeValue::Table(table), true) = (value.get_ref(), alternatives.len() > 1) {
+            return self.union_table(&alternatives, table, span, key);
+        }
+        let Some(schema) = alternatives.iter().copied().find(|schema| has_type(schema, value.get_ref())) else {
+            let wanted: Vec<String> = alternatives.iter().map(|schema| describe(schema)).collect();
+            let message = format!("`{key}` has the wrong type: {}", value.get_ref().type_str());
+            return self.say(span, message, format!("`{key}` must be {}", wanted.join(" or ")));
+        };
+        match value.get_ref() {
+            DeValue::Table(table) => self.table(schema, table, span, key),
+            DeValue::Array(items) => {
+                self.length(schema, items.len(), span, key);
+                items.iter().for_each(|item| self.value(&schema["items"], item, key));
+            }
+            DeValue::Integer(number) => self.number(schema, number.as_str(), span, key),
+            DeValue::Float(number) => self.number(schema, number.as_str(), span, key),
+            _ => {}
+        }
+    }
+
+    /// A table that may be one of several kinds: told apart by `kind`, or by the one key each has.
+    fn union_table(&mut self, alternatives: &[&'s Schema], table: &DeTable<'_>, span: Range<usize>, key: &str) {
+        let has = |name: &str| table.iter().any(|(key, _)| key.get_ref() == name);
+        let kinds: Vec<&str> = alternatives.iter().flat_map(|s| names(&s["properties"]["kind"])).collect();
+        if kinds.is_empty() {
+            let tables = alternatives.iter().copied().filter(|schema| schema["type"] == "object");
+            let tables: Vec<_> = tables.collect();
+            let chosen = tables.iter().find(|s| required(s).any(has)).or(tables.first());
+            return match chosen {
+                Some(schema) => self.table(schema, table, span, key),
+                None => self.say(span, format!("`{key}` cannot be a table"), describe_all(alternatives)),
+            };
+        }
+        let Some((_, kind)) = table.iter().find(|(key, _)| key.get_ref() == "kind") else {
+            return self.say(span, format!("`{key}` has no `kind`"), format!("kind is one of: {}", kinds.join(", ")));
+        };
+        let text = kind.get_ref().as_str().unwrap_or_default();
+        match alternatives.iter().copied().find(|s| names(&s["properties"]["kind"]).contains(&text)) {
+            Some(schema) => self.table(schema, table, span, key),
+            None => self.say(kind.span(), unknown("kind", text, &kinds), format!("one of: {}", kinds.join(", "))),
+        }
+    }
+
+    fn table(&mut self, schema: &'s Schema, table: &DeTable<'_>, span: Range<usize>, key: &str) {
+        let properties = &schema["properties"];
+        let known: Vec<&str> = properties.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+        for (name, value) in table {
+            match properties.get(name.get_ref().as_ref()) {
+                Some(schema) => self.value(schema, value, name.get_ref()),
+                None => {
+                    let help = format!("{key} takes: {}", known.join(", "));
+                    self.say(name.span(), unknown("key", name.get_ref(), &known), help);
+                }
+            }
+        }
+        for name in required(schema) {
+            if !table.iter().any(|(key, _)| key.get_ref() == name) {
+                let wanted = self.alternatives(&properties[name]);
+                let help = format!("add `{name}`, {}", describe_all(&wanted));
+                self.say(span.clone(), format!("{key} has no `{name}`"), help);
+            }
+        }
+    }
+
+    fn length(&mut self, schema: &Schema, count: usize, span: Range<usize>, key: &str) {
+        let least = schema["minItems"].as_u64().unwrap_or(0) as usize;
+        let most = schema["maxItems"].as_u64().map_or(usize::MAX, |most| most as usize);
+        if !(least..=most).contains(&count) {
+            let help = format!("between {least} and {most} are allowed");
+            self.say(span, format!("`{key}` has {count} entries"), help);
+        }
+    }
+
+    fn number(&mut self, schema: &Schema, text: &str, span: Range<usize>, key: &str) {
+        let value: f64 = text.replace('_', "").parse().unwrap_or(f64::NAN);
+        if !value.is_finite() {
+            return self.say(
+                span,
+                format!("`{key}` is not a finite number"),
+                format!("`{key}` must be {}", describe(schema)),
+            );
+        }
+        let bound = |name: &str| schema[name].as_f64();
+        let outside = bound("minimum").is_some_and(|min| value < min)
+            || bound("exclusiveMinimum").is_some_and(|min| value <= min)
+            || bound("maximum").is_some_and(|max| value > max)
+            || bound("exclusiveMaximum").is_some_and(|max| value >= max);
+        if outside {
+            self.say(span, format!("`{key}` is out of range: {text}"), format!("`{key}` must be {}", describe(schema)));
+        }
+    }
+}
+
+fn required(schema: &Schema) -> impl Iterator<Item = &str> {
+    schema["required"].as_array().into_iter().flatten().filter_map(Schema::as_str)
+}
+
+/// The words a string schema allows.
+fn names(schema: &Schema) -> Vec<&str> {
+    let listed = schema["enum"].as_array().into_iter().flatten();
+    listed.chain([&schema["const"]]).filter_map(Schema::as_str).collect()
+}
+
+fn has_type(schema: &Schema, value: &DeValue<'_>) -> bool {
+    let is = |name: &str| match &schema["type"] {
+        Schema::Array(names) => names.iter().any(|n| n == name),
+        one => one == name,
+    };
+    match value {
+        DeValue::Integer(_) => is("integer") || is("number"),
+        DeValue::Float(_) => is("number"),
+        DeValue::String(_) => is("string"),
+        DeValue::Boolean(_) => is("boolean"),
+        DeValue::Array(_) => is("array"),
+        DeValue::Table(_) => is("object"),
+        DeValue::Datetime(_) => false,
+    }
+}
+
+/// A schema in words, such as "a number above 0".
+fn describe(schema: &Schema) -> String {
+    let names = names(schema);
+    if !names.is_empty() {
+        return names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ");
+    }
+    let kind = match &schema["type"] {
+        Schema::Array(kinds) => kinds.first().and_then(Schema::as_str),
+        kind => kind.as_str(),
+    };
+    let mut text = match kind {
+        Some("integer") => "a whole number",
+        Some("number") => "a number",
+        Some("string") => "a text in quotes",
+        Some("boolean") => "true or false",
+        Some("array") => "an array",
+        _ => "a table",
+    }
+    .to_owned();
+    if kind == Some("array") {
+        match schema["items"]["type"].as_str() {
+            Some("number" | "integer") => text += " of numbers",
+            Some("object") => text += " of tables",
+            _ => {}
+        }
+    }
+    if kind == Some("object") && schema["required"].is_array() {
+        let keys: Vec<String> = required(schema).map(|key| format!("{key} = ...")).collect();
+        let _ = write!(text, " {{ {} }}", keys.join(", "));
+    }
+    let mut bounds = Vec::new();
+    for (name, words) in
+        [("minimum", "at least"), ("exclusiveMinimum", "above"), ("maximum", "at most"), ("exclusiveMaximum", "below")]
+    {
+        if let Some(bound) = schema[name].as_f64() {
+            bounds.push(format!("{words} {bound}"));
+        }
+    }
+    if !bounds.is_empty() {
+        let _ = write!(text, " {}", bounds.join(" and "));
+    }
+    text
+}
+
+fn describe_all(schemas: &[&Schema]) -> String {
+    schemas.iter().map(|schema| describe(schema)).collect::<Vec<_>>().join(" or ")
+}
+
+/// "unknown key `x`", with the nearest known name where one is near.
+fn unknown(what: &str, name: &str, known: &[&str]) -> String {
+    match nearest(name, known) {
+        Some(near) => format!("unknown {what} `{name}`, did you mean `{near}`?"),
+        None => format!("unknown {what} `{name}`"),
+    }
+}
+
+/// The known name with the fewest letters to change, if at most a third of them (two in a short name).
+fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
+    let (distance, near) = known.iter().map(|known| (edits(name, known), *known)).min()?;
+    (distance <= (name.len() / 3).max(2) && distance < name.len()).then_some(near)
+}
+
+/// Levenshtein distance in characters.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(row[j + 1] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edits_counts_the_letters_to_change() {
+        assert_eq!(edits("stifness", "stiffness"), 1);
+        assert_eq!(edits("", "abc"), 3);
+        assert_eq!(edits("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn nearest_names_no_stranger() {
+        assert_eq!(nearest("duraton", &["duration", "rate"]), Some("duration"));
+        assert_eq!(nearest("zzz", &["duration", "rate"]), None);
+    }
+}

@@ -1,0 +1,117 @@
+//! Proof by linking: a skill of `hpf-core` is built and stepped without a reachable panic and without a heap.
+//!
+//! The panic handler calls a function that exists nowhere, so a program links only if the linker finds no way from
+//! the functions exported here to a panic. There is no global allocator, so code that allocates does not build.
+
+#![no_std]
+
+#[cfg(feature = "negative-alloc")]
+extern crate alloc;
+
+use core::mem::MaybeUninit;
+
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, HybridState, Movement, Phase, Real};
+
+unsafe extern "C" {
+    /// Defined nowhere.
+    fn hpf_panic_is_reachable() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    // SAFETY: a program that could get here does not link.
+    unsafe { hpf_panic_is_reachable() }
+}
+
+/// Functions of each basis.
+const N: usize = 20;
+/// Axes.
+const D: usize = 2;
+
+/// A skill and its state: opaque to C, which gives it [`ROOM`] bytes.
+struct Run<T> {
+    skill: HybridPrimitive<T, [T; N], D>,
+    state: HybridState<T, D>,
+}
+
+/// Bytes and alignment that `main.c` sets aside for a [`Run`].
+const ROOM: usize = 4096;
+const _: () = assert!(size_of::<Run<f64>>() <= ROOM && align_of::<Run<f64>>() <= 8);
+
+impl<T: Real> Run<T> {
+    /// A skill at its start from weights of movement, stiffness and damping, N for each axis.
+    fn new(
+        [movement, stiffness, damping]: &[[[T; N]; D]; 3],
+        goal: &[T; D],
+        duration: T,
+        decay: T,
+    ) -> Result<Self, ConfigError> {
+        let basis = Basis::equally_spaced(decay, T::of(0.6), [T::ZERO; N], [T::ZERO; N])?;
+        let axis = |goal: T, movement: &[T; N], stiffness: &[T; N], damping: &[T; N]| {
+            Ok::<_, ConfigError>(AxisPrimitives {
+                movement: Movement::new(T::ZERO, goal, T::of(25.0), goal, *movement)?,
+                stiffness: Gain::new(T::of(30.0), T::of(400.0), *stiffness)?,
+                damping: Gain::new(T::of(10.0), T::of(100.0), *damping)?,
+            })
+        };
+        let ([gx, gy], [mx, my], [kx, ky], [dx, dy]) = (goal, movement, stiffness, damping);
+        let axes = [axis(*gx, mx, kx, dx)?, axis(*gy, my, ky, dy)?];
+        let skill = HybridPrimitive::new(Phase::new(duration, decay)?, [basis; 3], axes)?;
+        Ok(Self { skill, state: skill.initial_state() })
+    }
+
+    /// One step; writes position, velocity, stiffness and damping of each axis.
+    fn step(&mut self, force: &[T; D], rate: T, dt: T, commands: &mut [[T; 4]; D]) {
+        let found = self.skill.step(&mut self.state, *force, rate, dt);
+        *commands = found.map(|axis| [axis.position, axis.velocity, axis.stiffness, axis.damping]);
+        #[cfg(feature = "negative-panic")]
+        {
+            commands[dt.to_f64() as usize][0] = T::ZERO; // out of bounds from 2 s on
+        }
+        #[cfg(feature = "negative-alloc")]
+        {
+            commands[0][0] = T::of(alloc::vec![T::ZERO; dt.to_f64() as usize].len() as f64);
+        }
+    }
+}
+
+macro_rules! export {
+    ($float:ident, $new:ident, $step:ident) => {
+        /// Writes a skill at its start to `run`; returns whether its parameters were accepted.
+        ///
+        /// # Safety
+        /// `run` points to `ROOM` writable bytes aligned to 8, the others to as many numbers as their types say.
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $new(
+            run: *mut MaybeUninit<Run<$float>>,
+            weights: *const [[[$float; N]; D]; 3],
+            goal: *const [$float; D],
+            duration: $float,
+            decay: $float,
+        ) -> bool {
+            // SAFETY: the caller's promise.
+            let (run, weights, goal) = unsafe { (&mut *run, &*weights, &*goal) };
+            Run::new(weights, goal, duration, decay).map(|built| run.write(built)).is_ok()
+        }
+
+        /// Advances `run` and writes its commands.
+        ///
+        /// # Safety
+        /// `run` was written by `new`; the others point to as many numbers as their types say.
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $step(
+            run: *mut Run<$float>,
+            force: *const [$float; D],
+            rate: $float,
+            dt: $float,
+            commands: *mut [[$float; 4]; D],
+        ) {
+            // SAFETY: the caller's promise.
+            let (run, force, commands) = unsafe { (&mut *run, &*force, &mut *commands) };
+            run.step(force, rate, dt, commands);
+        }
+    };
+}
+
+export!(f32, hpf_f32_new, hpf_f32_step);
+export!(f64, hpf_f64_new, hpf_f64_step);
