@@ -1,2 +1,34 @@
-//! x
-fn main() {}
+//! `hpf`: learn, run and inspect compliant robot skills.
+
+#![forbid(unsafe_code)]
+
+mod cli;
+mod commands;
+mod directory;
+mod failure;
+mod figure;
+mod files;
+mod log;
+mod overrides;
+mod progress;
+mod render;
+mod report;
+mod results;
+mod style;
+mod summary;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    let arguments = cli::Arguments::parse();
+    style::choose(arguments.common.color);
+    match commands::run(&arguments) {
+        Ok(outcome) => outcome.into(),
+        Err(failure) => {
+            eprintln!("{failure}");
+            failure.exit_code()
+        }
+    }
+}

@@ -3,10 +3,15 @@
 use std::io;
 use std::path::Path;
 
+use hpf_learn::Progress;
 use hpf_sim::cost::Term;
-use hpf_sim::environment::{Contact, cantilever::Curve};
+use hpf_sim::environment::{Contact, Disturbance, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
 use hpf_sim::{AxisTrace, ContactTrace, Policy, Trace};
+
+use crate::directory::Unfinished;
+use crate::failure::Failure;
+use crate::files::{in_file, read_policy, read_task, read_text};
 
 /// A run: the task as run, the policy it led to, and the way there.
 pub struct Run {
@@ -45,8 +50,8 @@ fn bad(message: impl Into<String>) -> io::Error {
 pub fn learning_csv(rows: &[LearningRow]) -> String {
     let mut text = format!("update,rollouts,total,{},exploration\n", Term::NAMES.join(","));
     for row in rows {
-        let terms: Vec<String> = row.terms.iter().map(f64::to_string).collect();
-        text += &format!("{},{},{},{},{}\n", row.update, row.rollouts, row.total, terms.join(","), row.exploration);
+        let terms: Vec<String> = row.terms.iter().map(|term| format!("{term:?}")).collect();
+        text += &format!("{},{},{:?},{},{:?}\n", row.update, row.rollouts, row.total, terms.join(","), row.exploration);
     }
     text
 }
@@ -130,7 +135,7 @@ pub fn trajectory_csv(task: &Task, trace: &Trace) -> String {
     let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     let mut text = names.join(",") + "\n";
     for row in 0..columns[0].1.len() {
-        let numbers: Vec<String> = columns.iter().map(|(_, signal)| signal[row].to_string()).collect();
+        let numbers: Vec<String> = columns.iter().map(|(_, signal)| format!("{:?}", signal[row])).collect();
         text += &numbers.join(",");
         text.push('\n');
     }
@@ -172,9 +177,59 @@ pub fn beam_csv(task: &Task) -> Option<String> {
     for i in 0..=100 {
         let x = beam.length * f64::from(i) / 100.0;
         let [tip, moving] = [Curve::TipLoad, Curve::MovingLoad].map(|curve| beam.deflection_of(curve, x));
-        text += &format!("{x},{tip},{moving}\n");
+        text += &format!("{x:?},{tip:?},{moving:?}\n");
     }
     Some(text)
+}
+
+/// A force table that moves into the run directory, so that the directory is complete in itself.
+pub struct OwnTable {
+    /// Its name there.
+    pub name: String,
+    /// Its rows.
+    pub csv: String,
+    /// The override that makes the task name it.
+    pub change: String,
+}
+
+/// Gives every force table of `task` a name beside the task file of the run.
+pub fn own_tables(task: &mut Task) -> Vec<OwnTable> {
+    let mut tables = Vec::new();
+    for (i, disturbance) in task.disturbance.iter_mut().enumerate() {
+        if let Disturbance::Table(table) = disturbance {
+            let name = format!("disturbance_{i}.csv");
+            let rows = table.samples.rows().map(|(time, force)| format!("{time:?},{force:?}\n"));
+            let csv = "time_s,force_n\n".to_owned() + &rows.collect::<String>();
+            table.file.clone_from(&name);
+            tables.push(OwnTable { change: format!("disturbance.{i}.file=\"{name}\""), name, csv });
+        }
+    }
+    tables
+}
+
+/// Writes every table of a run.
+pub fn write_tables(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
+    folder.write("learning.csv", learning_csv(&run.learning))?;
+    folder.write("trajectory.csv", trajectory_csv(&run.task, &run.trajectory))?;
+    for (update, trace) in &run.snapshots {
+        folder.write(&format!("snapshots/{update}.csv"), trajectory_csv(&run.task, trace))?;
+    }
+    match beam_csv(&run.task) {
+        Some(csv) => folder.write("beam.csv", csv),
+        None => Ok(()),
+    }
+}
+
+impl From<&Progress> for LearningRow {
+    fn from(progress: &Progress) -> Self {
+        Self {
+            update: progress.update,
+            rollouts: progress.rollouts,
+            total: progress.total,
+            terms: progress.terms.clone(),
+            exploration: progress.exploration,
+        }
+    }
 }
 
 impl Run {
@@ -182,8 +237,7 @@ impl Run {
     ///
     /// # Errors
     /// A message that names the file, where one is missing or damaged.
-    pub fn load(directory: &Path) -> Result<Self, crate::failure::Failure> {
-        use crate::files::{in_file, read_policy, read_task, read_text};
+    pub fn load(directory: &Path) -> Result<Self, Failure> {
         let task = read_task(&directory.join("task.toml"), &[])?.task;
         let policy = read_policy(&directory.join("policy.json"))?;
         let path = directory.join("learning.csv");

@@ -20,10 +20,14 @@ pub enum FitError {
         /// Numbers needed.
         expected: usize,
     },
-    /// The equations have no unique solution: too few samples for a penalty of nought.
+    /// The equations have no unique finite solution: too few samples for a penalty of nought, or numbers that are not
+    /// finite.
     #[error("the data do not determine the weights; give more samples or a penalty above nought")]
     Singular,
 }
+
+/// A pivot this many roundings per feature above nought, relative to its diagonal entry, counts as nought.
+const PIVOT_ROUNDING: f64 = 10.0;
 
 fn expect(name: &'static str, found: usize, expected: usize) -> Result<(), FitError> {
     if found == expected { Ok(()) } else { Err(FitError::Length { name, found, expected }) }
@@ -47,7 +51,13 @@ pub fn ridge(features: &[f64], count: usize, values: &[f64], penalty: f64) -> Re
     let x = DMatrix::from_row_slice(values.len(), count, features);
     let y = DVector::from_column_slice(values);
     let normal = x.tr_mul(&x) + DMatrix::identity(count, count) * penalty;
+    let diagonal = normal.diagonal();
     let factor = normal.cholesky().ok_or(FitError::Singular)?;
+    // A dependent feature leaves a pivot of nought, or of what rounding made of it.
+    let rounding = PIVOT_ROUNDING * count as f64 * f64::EPSILON;
+    if factor.l_dirty().diagonal().iter().zip(&diagonal).any(|(root, whole)| root * root <= rounding * whole) {
+        return Err(FitError::Singular);
+    }
     let solution = factor.solve(&x.tr_mul(&y));
     if solution.iter().all(|w| w.is_finite()) { Ok(solution.as_slice().to_vec()) } else { Err(FitError::Singular) }
 }
@@ -82,7 +92,8 @@ pub fn locally_weighted(
                 above += row[i] * xi * value;
                 below += row[i] * xi * xi;
             }
-            if below > 0.0 { Ok(above / below) } else { Err(FitError::Singular) }
+            let weight = above / below;
+            if below > 0.0 && weight.is_finite() { Ok(weight) } else { Err(FitError::Singular) }
         })
         .collect()
 }

@@ -230,7 +230,7 @@ impl Pi2 {
     /// # Errors
     /// [`Pi2Error::AllRejected`] where none is left; the parameters stay as they are and the update is not counted.
     pub fn tell(&mut self, batch: &Batch, costs: &[Cost]) -> Result<usize, Pi2Error> {
-        let kept: Vec<usize> = (0..costs.len()).filter(|&k| costs[k].total().is_finite()).collect();
+        let kept: Vec<usize> = (0..costs.len()).filter(|&k| is_finite(&costs[k])).collect();
         let rejected = costs.len() - kept.len();
         if kept.is_empty() {
             return Err(Pi2Error::AllRejected { update: self.update, rollouts: costs.len() });
@@ -291,6 +291,15 @@ impl Pi2 {
         }
         change
     }
+}
+
+/// Whether the cost to go of every step is finite: the sums that the weights are made of.
+fn is_finite(cost: &Cost) -> bool {
+    let mut to_go = cost.terminal;
+    cost.running.iter().rev().all(|cost| {
+        to_go += cost;
+        to_go.is_finite()
+    }) && to_go.is_finite()
 }
 
 /// Turns costs into weights that sum to one; equal costs get equal weights.

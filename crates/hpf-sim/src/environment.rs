@@ -12,10 +12,10 @@ pub use disturbance::Disturbance;
 pub use wall::Wall;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// `[contact]`: what the tool touches.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Contact {
     /// A clamped beam that the tool travels along and presses down.
@@ -58,6 +58,14 @@ impl Surface {
 }
 
 impl Contact {
+    /// Its kind, as in the task file.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Cantilever(_) => "cantilever",
+            Self::Wall(_) => "wall",
+        }
+    }
+
     /// The axis it acts on.
     pub fn axis(&self) -> &str {
         match self {

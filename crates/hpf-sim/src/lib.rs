@@ -16,7 +16,7 @@ pub mod task;
 mod trace;
 
 pub use metrics::Metric;
-pub use policy::{AxisPolicy, GainPolicy, MovementPolicy, Policy, PolicyError, Provenance};
+pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
 pub use simulation::{Simulation, SimulationError};
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

@@ -28,7 +28,7 @@ pub const MAX_TASK_BYTES: usize = 1 << 20;
 pub const MIN_GOAL_DISTANCE: f64 = 1e-6;
 
 /// A task, checked.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Task {
     /// Name of the task and of its run directory: letters, digits, `_`, `-` and `.`.
@@ -72,13 +72,13 @@ pub struct Task {
     /// What to keep.
     #[serde(default)]
     pub output: Output,
-    /// Targets: `learn` and `run` print pass or fail, and exit with 3 on a miss.
+    /// Targets.
     #[serde(default)]
     pub accept: Accept,
 }
 
 /// One degree of freedom.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     /// Name: a letter, then letters, digits or `_`.
@@ -103,8 +103,8 @@ pub enum Unit {
     Rad,
 }
 
-/// `[phase]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// The phase all primitives share: it falls from 1 to exp(-decay).
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Phase {
     /// Decay over the duration: s(T) = exp(-decay).
@@ -118,8 +118,8 @@ impl Default for Phase {
     }
 }
 
-/// `[movement]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// The movement primitive: where to go.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Movement {
     /// Number of basis functions.
@@ -146,7 +146,7 @@ impl Default for Movement {
 }
 
 /// Scale A of the forcing term.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Scaling {
     /// A named scale.
@@ -156,7 +156,7 @@ pub enum Scaling {
 }
 
 /// A named scale of the forcing term.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NamedScaling {
     /// A = goal - start, as in the paper.
@@ -166,15 +166,15 @@ pub enum NamedScaling {
 }
 
 /// A given scale of the forcing term.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Amplitude {
     /// A [axis unit].
     pub amplitude: PerAxis,
 }
 
-/// `[stiffness]` or `[damping]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// The stiffness and the damping primitive: how softly to hold the movement.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gain {
     /// Number of basis functions.
@@ -201,8 +201,8 @@ fn default_overlap() -> f64 {
     hpf_core::basis::DEFAULT_OVERLAP
 }
 
-/// `[admittance]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// The law by which the tool gives way.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Admittance {
     /// Order of the law: 1, `d e' + k e = f`.
@@ -216,8 +216,8 @@ impl Default for Admittance {
     }
 }
 
-/// `[[via_point]]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A position to pass through at a time.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ViaPoint {
     /// When to pass [s], after the start and no later than the duration.
@@ -227,8 +227,8 @@ pub struct ViaPoint {
     pub position: Vec<f64>,
 }
 
-/// `[cost]`: weights of the terms; each term is half the weight times a square. Nought leaves a term out.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq)]
+/// Weights of the cost terms; each term is half the weight times a square. Nought leaves a term out.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CostWeights {
     /// Distance to the goal at the end [1/unit^2].
@@ -251,8 +251,8 @@ pub struct CostWeights {
     pub damping: PerAxis,
 }
 
-/// `[learning]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// How to learn.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Learning {
     /// The learning method.
@@ -308,7 +308,7 @@ impl Default for Learning {
 }
 
 /// A learning method.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 pub enum Method {
     /// Policy improvement with path integrals.
     #[serde(rename = "pi2")]
@@ -316,7 +316,7 @@ pub enum Method {
 }
 
 /// Settings of PI2 to start from.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
     /// The canonical method: one draw per rollout, range weights with h = 10, cost to go.
@@ -326,7 +326,7 @@ pub enum Preset {
 }
 
 /// Standard deviation of the exploration, by primitive.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Noise {
     /// Of the movement's weights [1].
@@ -344,7 +344,7 @@ impl Default for Noise {
 }
 
 /// When exploration is drawn.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ExplorationKind {
     /// Once per rollout.
@@ -354,7 +354,7 @@ pub enum ExplorationKind {
 }
 
 /// How exploration shrinks.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AnnealKind {
     /// Not at all.
@@ -366,7 +366,7 @@ pub enum AnnealKind {
 }
 
 /// How costs become weights: a table with one of the two keys.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TemperatureKind {
     /// softmax(-range (S - min)/(max - min)).
@@ -376,7 +376,7 @@ pub enum TemperatureKind {
 }
 
 /// Which cost a step answers for.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CreditKind {
     /// What comes after it.
@@ -386,7 +386,7 @@ pub enum CreditKind {
 }
 
 /// The path that learning starts from.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InitialPath {
     /// The bare pull to the goal: all weights nought.
@@ -395,16 +395,16 @@ pub enum InitialPath {
     MinimumJerk,
 }
 
-/// `[output]`
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq)]
+/// What to keep.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Output {
     /// Updates whose trajectory is kept and drawn.
     pub snapshots: Vec<usize>,
 }
 
-/// `[accept]`: the largest values that pass.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq)]
+/// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Accept {
     /// Largest deviation from the curve of the contact [m].
@@ -431,7 +431,7 @@ pub struct Accept {
 }
 
 /// A value for every axis: one number for all, or an array in axis order.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum PerAxis {
     /// The same for all axes.
@@ -484,6 +484,10 @@ impl Task {
     /// # Errors
     /// Every mistake found, in the order of the text.
     pub fn parse(text: &str) -> Result<Self, Vec<Diagnostic>> {
+        if text.trim().is_empty() {
+            let help = "a task needs at least name, duration, rate, one [[axis]], [stiffness] and [damping]";
+            return Err(vec![Diagnostic { span: 0..0, message: "the file is empty".into(), help: help.into() }]);
+        }
         let document = keys::Document::parse(text)?;
         let mut found = document.check_against(&Self::schema());
         if found.is_empty() {
@@ -494,7 +498,7 @@ impl Task {
                         return Ok(task);
                     }
                 }
-                Err(error) => found.push(keys::from_toml(&error)),
+                Err(error) => found.push(keys::from_toml(text, &error)),
             }
         }
         found.sort_by_key(|diagnostic| diagnostic.span.start);

@@ -15,12 +15,12 @@
 //! The movement starts in contact equilibrium at x = 0: the tool has already pressed by F/k_c.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Surface;
 
-/// `[contact] kind = "cantilever"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A clamped beam that the tool travels along, pressing it down.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cantilever {
     /// Axis along which the tool presses, positive into the beam.
@@ -57,7 +57,7 @@ fn default_contact_stiffness() -> f64 {
 }
 
 /// The curve of a loaded beam.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Curve {
     /// Loaded at its tip (the paper's Eq. 25).
@@ -68,7 +68,7 @@ pub enum Curve {
 }
 
 /// How the tool moves along the beam, from the clamp to the tip over the duration.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Travel {
     /// From rest to rest with minimum jerk.

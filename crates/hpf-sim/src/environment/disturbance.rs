@@ -13,10 +13,10 @@ pub use step::Step;
 pub use table::{Samples, Table, TableError};
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// `[[disturbance]]`: a force of the environment on the tool.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Disturbance {
     /// Swings.
@@ -52,6 +52,17 @@ fn has_jumped(jump: f64, time: f64, side: Side) -> bool {
 }
 
 impl Disturbance {
+    /// Its kind, as in the task file.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Sine(_) => "sine",
+            Self::Step(_) => "step",
+            Self::Pulse(_) => "pulse",
+            Self::Ramp(_) => "ramp",
+            Self::Table(_) => "table",
+        }
+    }
+
     /// The axis it acts on.
     pub fn axis(&self) -> &str {
         match self {

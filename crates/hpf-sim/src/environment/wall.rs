@@ -1,12 +1,12 @@
 //! A wall: a linear spring behind a gap, `F_c = K max(0, depth)`.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Surface;
 
-/// `[contact] kind = "wall"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A spring behind a gap.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// Axis along which the tool meets it.
@@ -26,7 +26,7 @@ pub struct Wall {
 }
 
 /// On which side of its surface a wall lies.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// At larger positions: a tool moving up runs into it.

@@ -8,7 +8,7 @@ use core::ops::Range;
 
 use serde_json::Value as Schema;
 use toml::Spanned;
-use toml::de::{DeArray, DeTable, DeValue};
+use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
 use super::Diagnostic;
 
@@ -17,20 +17,33 @@ pub(super) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
 }
 
-/// A mistake that the TOML parser found.
-pub(super) fn from_toml(error: &toml::de::Error) -> Diagnostic {
-    Diagnostic {
-        span: error.span().unwrap_or(0..0),
-        message: error.message().replace('\n', ", "),
-        help: "the file must be valid TOML".into(),
-    }
+/// A mistake that the TOML parser found in `text`.
+pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> Diagnostic {
+    let span = error.span().unwrap_or(0..0);
+    let twice = text.get(span.clone()).filter(|_| error.message() == "duplicate key");
+    let (message, help) = match twice {
+        Some(key) => (
+            format!("`{key}` is given twice"),
+            "keep one of them; several of a kind, such as axes, stand under double brackets each: [[axis]]",
+        ),
+        None => (
+            error.message().replace('\n', ", "),
+            "the file must be valid TOML: lines of `key = value`, `[table]` or `# comment`, texts in quotes",
+        ),
+    };
+    Diagnostic { span, message, help: help.into() }
 }
 
 impl<'a> Document<'a> {
     /// Parses TOML; every error of syntax is reported.
     pub(super) fn parse(text: &'a str) -> Result<Self, Vec<Diagnostic>> {
         let (root, errors) = DeTable::parse_recoverable(text);
-        if errors.is_empty() { Ok(Self { root }) } else { Err(errors.iter().map(from_toml).collect()) }
+        if errors.is_empty() {
+            return Ok(Self { root });
+        }
+        let mut found: Vec<Diagnostic> = errors.iter().map(|error| from_toml(text, error)).collect();
+        found.sort_by_key(|diagnostic| diagnostic.span.start);
+        Err(found)
     }
 
     /// All mistakes of keys, types and ranges.
@@ -107,9 +120,12 @@ impl<'s> Walk<'s> {
             return self.union_table(&alternatives, table, span, key);
         }
         let Some(schema) = alternatives.iter().copied().find(|schema| has_type(schema, value.get_ref())) else {
-            let wanted: Vec<String> = alternatives.iter().map(|schema| describe(schema)).collect();
-            let message = format!("`{key}` has the wrong type: {}", value.get_ref().type_str());
-            return self.say(span, message, format!("`{key}` must be {}", wanted.join(" or ")));
+            let whole = alternatives.iter().any(|schema| has_type(schema, &DeValue::Integer(DeInteger::default())));
+            let message = match value.get_ref() {
+                DeValue::Float(_) if whole => format!("`{key}` cannot have a decimal point"),
+                other => format!("`{key}` cannot be {}", noun(other)),
+            };
+            return self.say(span, message, format!("`{key}` must be {}", describe_all(&alternatives, key)));
         };
         match value.get_ref() {
             DeValue::Table(table) => self.table(schema, table, span, key),
@@ -117,51 +133,93 @@ impl<'s> Walk<'s> {
                 self.length(schema, items.len(), span, key);
                 items.iter().for_each(|item| self.value(&schema["items"], item, key));
             }
-            DeValue::Integer(number) => self.number(schema, number.as_str(), span, key),
-            DeValue::Float(number) => self.number(schema, number.as_str(), span, key),
+            DeValue::Integer(number) => {
+                let value = i128::from_str_radix(number.as_str(), number.radix());
+                match value.ok().filter(|value| (i64::MIN.into()..=u64::MAX.into()).contains(value)) {
+                    Some(value) => self.number(schema, value as f64, &number.to_string(), span, key),
+                    None => {
+                        let help = format!("`{key}` must be {} that fits in 64 bits", describe(schema));
+                        self.say(span, format!("`{key}` is out of range: {number}"), help);
+                    }
+                }
+            }
+            DeValue::Float(number) => {
+                let value = number.as_str().parse().unwrap_or(f64::NAN);
+                self.number(schema, value, number.as_str(), span, key);
+            }
             _ => {}
         }
     }
 
     /// A table that may be one of several kinds: told apart by `kind`, or by the one key each has.
     fn union_table(&mut self, alternatives: &[&'s Schema], table: &DeTable<'_>, span: Range<usize>, key: &str) {
-        let has = |name: &str| table.iter().any(|(key, _)| key.get_ref() == name);
         let kinds: Vec<&str> = alternatives.iter().flat_map(|s| names(&s["properties"]["kind"])).collect();
         if kinds.is_empty() {
-            let tables = alternatives.iter().copied().filter(|schema| schema["type"] == "object");
-            let tables: Vec<_> = tables.collect();
-            let chosen = tables.iter().find(|s| required(s).any(has)).or(tables.first());
-            return match chosen {
-                Some(schema) => self.table(schema, table, span, key),
-                None => self.say(span, format!("`{key}` cannot be a table"), describe_all(alternatives)),
-            };
+            return self.choice_table(alternatives, table, span, key);
         }
         let Some((_, kind)) = table.iter().find(|(key, _)| key.get_ref() == "kind") else {
-            return self.say(span, format!("`{key}` has no `kind`"), format!("kind is one of: {}", kinds.join(", ")));
+            let help = format!("kind is one of: {}", kinds.join(", "));
+            return match table.iter().find(|(name, _)| nearest(name.get_ref(), &["kind"]).is_some()) {
+                Some((name, _)) => self.say(name.span(), unknown("key", name.get_ref(), &["kind"]), help),
+                None => self.say(span, format!("{key} has no `kind`"), help),
+            };
         };
-        let text = kind.get_ref().as_str().unwrap_or_default();
+        let help = format!("kind is one of: {}", kinds.join(", "));
+        let Some(text) = kind.get_ref().as_str() else {
+            return self.say(kind.span(), format!("`kind` cannot be {}", noun(kind.get_ref())), help);
+        };
         match alternatives.iter().copied().find(|s| names(&s["properties"]["kind"]).contains(&text)) {
             Some(schema) => self.table(schema, table, span, key),
-            None => self.say(kind.span(), unknown("kind", text, &kinds), format!("one of: {}", kinds.join(", "))),
+            None => self.say(kind.span(), unknown("kind", text, &kinds), help),
+        }
+    }
+
+    /// A table that may be one of several, each with one key of its own.
+    fn choice_table(&mut self, alternatives: &[&'s Schema], table: &DeTable<'_>, span: Range<usize>, key: &str) {
+        let tables: Vec<&Schema> = alternatives.iter().copied().filter(|s| s["type"] == "object").collect();
+        let keys: Vec<&str> = tables.iter().flat_map(|schema| required(schema)).collect();
+        let given: Vec<&str> =
+            keys.iter().copied().filter(|key| table.iter().any(|(name, _)| name.get_ref() == key)).collect();
+        let help = format!("{key} takes one of: {}", keys.join(", "));
+        match (tables.as_slice(), given.as_slice()) {
+            ([], _) => {
+                let message = format!("`{key}` cannot be a table");
+                self.say(span, message, format!("`{key}` must be {}", describe_all(alternatives, key)));
+            }
+            ([schema], _) => self.table(schema, table, span, key),
+            (_, []) if table.is_empty() => self.say(span, format!("{key} is empty"), help),
+            (_, []) => {
+                for (name, _) in table {
+                    self.say(name.span(), unknown("key", name.get_ref(), &keys), help.clone());
+                }
+            }
+            (_, [given]) => {
+                let chosen = tables.iter().find(|schema| required(schema).any(|name| name == *given));
+                self.table(chosen.expect("a given key is one of a table's"), table, span, key);
+            }
+            _ => self.say(span, format!("{key} has both `{}`", given.join("` and `")), help),
         }
     }
 
     fn table(&mut self, schema: &'s Schema, table: &DeTable<'_>, span: Range<usize>, key: &str) {
         let properties = &schema["properties"];
         let known: Vec<&str> = properties.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+        let mut misspelt = Vec::new();
         for (name, value) in table {
             match properties.get(name.get_ref().as_ref()) {
                 Some(schema) => self.value(schema, value, name.get_ref()),
                 None => {
                     let help = format!("{key} takes: {}", known.join(", "));
                     self.say(name.span(), unknown("key", name.get_ref(), &known), help);
+                    misspelt.extend(nearest(name.get_ref(), &known));
                 }
             }
         }
         for name in required(schema) {
-            if !table.iter().any(|(key, _)| key.get_ref() == name) {
+            // A key that is there under a wrong name is one mistake, not two.
+            if !misspelt.contains(&name) && !table.iter().any(|(key, _)| key.get_ref() == name) {
                 let wanted = self.alternatives(&properties[name]);
-                let help = format!("add `{name}`, {}", describe_all(&wanted));
+                let help = format!("add `{name}`, {}", describe_all(&wanted, name));
                 self.say(span.clone(), format!("{key} has no `{name}`"), help);
             }
         }
@@ -176,8 +234,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    fn number(&mut self, schema: &Schema, text: &str, span: Range<usize>, key: &str) {
-        let value: f64 = text.replace('_', "").parse().unwrap_or(f64::NAN);
+    fn number(&mut self, schema: &Schema, value: f64, text: &str, span: Range<usize>, key: &str) {
         if !value.is_finite() {
             return self.say(
                 span,
@@ -222,6 +279,18 @@ fn has_type(schema: &Schema, value: &DeValue<'_>) -> bool {
     }
 }
 
+/// What a value is, in words.
+fn noun(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::String(_) => "a text",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Array(_) => "an array",
+        DeValue::Table(_) => "a table",
+        DeValue::Datetime(_) => "a date",
+    }
+}
+
 /// A schema in words, such as "a number above 0".
 fn describe(schema: &Schema) -> String {
     let names = names(schema);
@@ -244,7 +313,7 @@ fn describe(schema: &Schema) -> String {
     if kind == Some("array") {
         match schema["items"]["type"].as_str() {
             Some("number" | "integer") => text += " of numbers",
-            Some("object") => text += " of tables",
+            _ if schema["items"]["$ref"].is_string() => text += " of tables",
             _ => {}
         }
     }
@@ -252,22 +321,26 @@ fn describe(schema: &Schema) -> String {
         let keys: Vec<String> = required(schema).map(|key| format!("{key} = ...")).collect();
         let _ = write!(text, " {{ {} }}", keys.join(", "));
     }
-    let mut bounds = Vec::new();
-    for (name, words) in
-        [("minimum", "at least"), ("exclusiveMinimum", "above"), ("maximum", "at most"), ("exclusiveMaximum", "below")]
-    {
-        if let Some(bound) = schema[name].as_f64() {
-            bounds.push(format!("{words} {bound}"));
-        }
-    }
-    if !bounds.is_empty() {
-        let _ = write!(text, " {}", bounds.join(" and "));
-    }
+    let bound = |name: &str| schema[name].as_f64();
+    let (min, max) = (bound("minimum"), bound("maximum"));
+    let _ = match (min, bound("exclusiveMinimum"), max, bound("exclusiveMaximum")) {
+        (Some(min), _, Some(max), _) => write!(text, " from {min} to {max}"),
+        (Some(min), ..) => write!(text, " of at least {min}"),
+        (_, Some(min), Some(max), _) => write!(text, " above {min} and at most {max}"),
+        (_, Some(min), _, Some(max)) => write!(text, " above {min} and below {max}"),
+        (_, Some(min), ..) => write!(text, " above {min}"),
+        _ => Ok(()),
+    };
     text
 }
 
-fn describe_all(schemas: &[&Schema]) -> String {
-    schemas.iter().map(|schema| describe(schema)).collect::<Vec<_>>().join(" or ")
+/// The values that `key` takes, in words.
+fn describe_all(schemas: &[&Schema], key: &str) -> String {
+    let mut text = schemas.iter().map(|schema| describe(schema)).collect::<Vec<_>>().join(" or ");
+    if schemas.iter().any(|schema| schema["items"]["$ref"].is_string()) {
+        let _ = write!(text, ", each under [[{key}]]");
+    }
+    text
 }
 
 /// "unknown key `x`", with the nearest known name where one is near.

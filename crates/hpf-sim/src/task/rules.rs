@@ -8,13 +8,15 @@ use super::{Diagnostic, Gain, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxi
 /// Appends every contradiction in `task` to `found`.
 pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagnostic>) {
     let mut rules = Rules { task, document, found };
-    rules.names();
+    let named = rules.names();
     rules.steps();
     rules.per_axis();
     rules.gain("stiffness", &task.stiffness);
     rules.gain("damping", &task.damping);
     rules.scaling();
-    rules.environment();
+    if named {
+        rules.environment();
+    }
     rules.via_points();
     rules.cost_and_targets();
     rules.learning();
@@ -32,13 +34,15 @@ impl Rules<'_, '_, '_> {
         self.found.push(Diagnostic { span, message: message.to_string(), help: help.to_string() });
     }
 
-    fn names(&mut self) {
+    /// Whether every axis has a name of its own: where not, nobody can say which one a disturbance means.
+    fn names(&mut self) -> bool {
         let is_file_name = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
         let name = &self.task.name;
         if name.is_empty() || name.len() > 100 || name.starts_with('.') || !name.chars().all(is_file_name) {
             let help = "1 to 100 letters, digits, `_`, `-` or `.`, the first not a dot: it names the run directory";
             self.say("name", format!("`{name}` cannot name a task"), help);
         }
+        let before = self.found.len();
         for (i, axis) in self.task.axis.iter().enumerate() {
             let path = format!("axis.{i}.name");
             let is_identifier = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -56,22 +60,21 @@ impl Rules<'_, '_, '_> {
                 self.say(&path, format!("two axes are called `{name}`"), "give each axis a name of its own");
             }
         }
+        self.found.len() == before
     }
 
     fn steps(&mut self) {
         let steps = self.task.duration * self.task.rate;
-        let help = "duration times rate is the number of steps: a whole number";
+        let product = format!("{} s at {} Hz make", self.task.duration, self.task.rate);
         if steps > MAX_STEPS as f64 {
-            let message = format!("{} s at {} Hz are {steps:.0} steps", self.task.duration, self.task.rate);
-            self.say("rate", message, format!("at most {MAX_STEPS} steps are allowed"));
+            let help = format!("duration times rate is the number of steps, at most {MAX_STEPS}");
+            self.say("rate", format!("{product} {steps:.0} steps"), help);
         } else if (steps - steps.round()).abs() > 1e-6 * steps {
-            self.say("rate", format!("{} s at {} Hz are {steps} steps", self.task.duration, self.task.rate), help);
+            let help = "duration times rate is the number of steps and must be a whole number";
+            self.say("rate", format!("{product} {steps} steps"), help);
         } else if steps < 2.0 {
-            self.say(
-                "rate",
-                format!("{} s at {} Hz are {steps:.0} steps", self.task.duration, self.task.rate),
-                "at least 2 steps are needed",
-            );
+            let help = "duration times rate is the number of steps, at least 2";
+            self.say("rate", format!("{product} only 1 step"), help);
         }
     }
 
@@ -81,11 +84,11 @@ impl Rules<'_, '_, '_> {
         let mut values = vec![("movement.alpha", &task.movement.alpha, true)];
         if let Scaling::Given(given) = &task.movement.scaling {
             self.axis_count("movement.scaling.amplitude", &given.amplitude);
-            if given.amplitude.values().contains(&0.0) {
+            for (i, _) in given.amplitude.values().iter().enumerate().filter(|(_, scale)| **scale == 0.0) {
                 self.say(
-                    "movement.scaling.amplitude",
+                    &element("movement.scaling.amplitude", &given.amplitude, i),
                     "a forcing scale of 0 leaves nothing to learn",
-                    "a number other than 0",
+                    "`amplitude` must be a number other than 0",
                 );
             }
         }
@@ -113,11 +116,11 @@ impl Rules<'_, '_, '_> {
         for (path, value, positive) in values {
             self.axis_count(path, value);
             let key = path.rsplit('.').next().unwrap_or(path);
-            for &number in value.values() {
-                if positive && number <= 0.0 {
-                    self.say(path, format!("`{key}` is out of range: {number}"), format!("`{key}` must be above 0"));
-                } else if number < 0.0 {
-                    self.say(path, format!("`{key}` is out of range: {number}"), format!("`{key}` must be at least 0"));
+            for (i, &number) in value.values().iter().enumerate() {
+                let least = if positive { "above 0" } else { "at least 0" };
+                if number < 0.0 || (positive && number == 0.0) {
+                    let message = format!("`{key}` is out of range: {number}");
+                    self.say(&element(path, value, i), message, format!("`{key}` must be {least}"));
                 }
             }
         }
@@ -128,25 +131,30 @@ impl Rules<'_, '_, '_> {
         if let PerAxis::Each(values) = value
             && values.len() != axes
         {
-            let message = format!("{} values for {axes} axes", values.len());
-            self.say(path, message, "one number for all axes, or an array with one per axis");
+            let message = format!("{} for {}", count(values.len(), "value", "values"), count(axes, "axis", "axes"));
+            self.say(path, message, "write one number for all axes, or an array with one per axis");
         }
     }
 
     fn gain(&mut self, name: &str, gain: &Gain) {
         let axes = self.task.axis.len();
-        if [&gain.min, &gain.max, &gain.initial].iter().any(|v| matches!(v, PerAxis::Each(v) if v.len() != axes)) {
+        let refused = |value: &&PerAxis| {
+            matches!(value, PerAxis::Each(values) if values.len() != axes) || value.values().iter().any(|&v| v <= 0.0)
+        };
+        if [&gain.min, &gain.max, &gain.initial].iter().any(refused) {
             return;
         }
         for (i, axis) in self.task.axis.iter().enumerate() {
             let (min, max, initial) = (gain.min.of(i), gain.max.of(i), gain.initial.of(i));
             if min > max {
                 let message = format!("`min` is above `max` on axis `{}`: {min} > {max}", axis.name);
-                self.say(&format!("{name}.min"), message, format!("{name}.min must not be above {name}.max"));
+                let path = element(&format!("{name}.min"), &gain.min, i);
+                self.say(&path, message, format!("{name}.min must not be above {name}.max"));
                 return;
             } else if !(min..=max).contains(&initial) {
                 let message = format!("`initial` is outside its bounds on axis `{}`: {initial}", axis.name);
-                self.say(&format!("{name}.initial"), message, format!("between {min} and {max}"));
+                let path = element(&format!("{name}.initial"), &gain.initial, i);
+                self.say(&path, message, format!("`initial` must lie between min = {min} and max = {max}"));
                 return;
             }
         }
@@ -159,11 +167,11 @@ impl Rules<'_, '_, '_> {
         for (i, axis) in self.task.axis.iter().enumerate() {
             if (axis.goal - axis.start).abs() < MIN_GOAL_DISTANCE {
                 let message = format!(
-                    "goal scaling needs a goal away from the start, axis `{}` has {} -> {}",
+                    "goal scaling needs a goal away from the start, axis `{}` goes from {} to {}",
                     axis.name, axis.start, axis.goal
                 );
                 let help = format!(
-                    "at least {MIN_GOAL_DISTANCE:e} apart, or [movement] scaling = \"unit\" or {{ amplitude = ... }}"
+                    "move them at least {MIN_GOAL_DISTANCE:e} apart, or set scaling = \"unit\" under [movement]"
                 );
                 self.say(&format!("axis.{i}.goal"), message, help);
             }
@@ -177,7 +185,7 @@ impl Rules<'_, '_, '_> {
         let contact = self.task.contact.iter().map(|contact| ("contact.axis".to_owned(), contact.axis()));
         for (path, axis) in disturbances.chain(contact) {
             if !names.contains(&axis) {
-                self.say(&path, format!("there is no axis `{axis}`"), format!("one of: {}", names.join(", ")));
+                self.say(&path, format!("there is no axis `{axis}`"), format!("the axes are: {}", names.join(", ")));
             }
         }
     }
@@ -189,13 +197,14 @@ impl Rules<'_, '_, '_> {
                 self.say(
                     &format!("via_point.{i}.time"),
                     message,
-                    format!("after 0 s and no later than duration = {} s", self.task.duration),
+                    format!("`time` must lie after 0 s and no later than duration = {} s", self.task.duration),
                 );
             }
             let axes = self.task.axis.len();
             if via.position.len() != axes {
-                let message = format!("a position with {} numbers for {axes} axes", via.position.len());
-                self.say(&format!("via_point.{i}.position"), message, "one number per axis, in axis order");
+                let numbers = count(via.position.len(), "number", "numbers");
+                let message = format!("a position with {numbers} for {}", count(axes, "axis", "axes"));
+                self.say(&format!("via_point.{i}.position"), message, "write one number per axis, in axis order");
             }
         }
     }
@@ -205,15 +214,14 @@ impl Rules<'_, '_, '_> {
         let weighs = |value: &PerAxis| value.values().iter().any(|&weight| weight > 0.0);
         let per_axis =
             [&cost.goal, &cost.end_velocity, &cost.via_point, &cost.acceleration, &cost.stiffness, &cost.damping];
-        if cost.tracking == 0.0 && cost.contact_force == 0.0 && !per_axis.into_iter().any(weighs) {
+        let silent = |value: &PerAxis| value.values().iter().all(|&weight| weight == 0.0);
+        if cost.tracking == 0.0 && cost.contact_force == 0.0 && per_axis.into_iter().all(silent) {
             self.say(
                 "cost",
                 "no cost term has a weight: there is nothing to learn",
                 "give at least one term of [cost] a weight above 0",
             );
         }
-        let no_contact = "it needs a [contact]";
-        let no_via = "it needs a [[via_point]]";
         if task.contact.is_none() {
             let targets = [
                 ("cost.tracking", cost.tracking > 0.0),
@@ -224,7 +232,7 @@ impl Rules<'_, '_, '_> {
             ];
             for (path, given) in targets {
                 if given {
-                    self.say(path, format!("`{path}` has nothing to measure"), no_contact);
+                    self.say(path, format!("`{path}` has nothing to measure"), "add a [contact], or leave it out");
                 }
             }
         }
@@ -234,7 +242,7 @@ impl Rules<'_, '_, '_> {
                 ("accept.max_via_error", task.accept.max_via_error.is_some()),
             ] {
                 if given {
-                    self.say(path, format!("`{path}` has nothing to measure"), no_via);
+                    self.say(path, format!("`{path}` has nothing to measure"), "add a [[via_point]], or leave it out");
                 }
             }
         }
@@ -245,16 +253,28 @@ impl Rules<'_, '_, '_> {
         let least = learning.rollouts + 2;
         if learning.max_rollouts.is_some_and(|max| max < least) {
             let help = format!(
-                "at least {least}: a first look, one update of {} rollouts and a look at it",
+                "at least {least}: one motion before learning, {} of the first update, one after it",
                 learning.rollouts
             );
-            self.say("learning.max_rollouts", "not even one update fits", help);
+            self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }
         for (i, &update) in self.task.output.snapshots.iter().enumerate() {
             if update > learning.updates {
-                let help = format!("between 0 and learning.updates = {}", learning.updates);
+                let help = format!("snapshots lie between 0 and learning.updates = {}", learning.updates);
                 self.say(&format!("output.snapshots.{i}"), format!("there is no update {update} to keep"), help);
             }
         }
     }
+}
+
+/// The path of the value of axis `i`: that of one number for all axes, or of its place in the array.
+fn element(path: &str, value: &PerAxis, i: usize) -> String {
+    match value {
+        PerAxis::All(_) => path.to_owned(),
+        PerAxis::Each(_) => format!("{path}.{i}"),
+    }
+}
+
+fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
 }

@@ -1,12 +1,12 @@
 //! A force that jumps at `start` and back after `length`.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Side, has_jumped};
 
-/// `[[disturbance]] kind = "pulse"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A force that jumps and jumps back.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pulse {
     /// Axis it acts on.

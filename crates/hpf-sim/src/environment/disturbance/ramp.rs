@@ -1,10 +1,10 @@
 //! A force that grows from 0 at `start` to `amplitude` after `length`, and stays.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-/// `[[disturbance]] kind = "ramp"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A force that grows and stays.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
     /// Axis it acts on.

@@ -1,10 +1,10 @@
 //! A force that swings: `f(t) = amplitude sin(2 pi t/period + phase)`.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-/// `[[disturbance]] kind = "sine"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A force that swings.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
     /// Axis it acts on.

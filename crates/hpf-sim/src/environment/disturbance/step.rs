@@ -1,12 +1,12 @@
 //! A force that jumps at `start` and stays.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Side, has_jumped};
 
-/// `[[disturbance]] kind = "step"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A force that jumps and stays.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
     /// Axis it acts on.

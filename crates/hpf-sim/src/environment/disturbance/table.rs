@@ -1,10 +1,10 @@
 //! A force from a table: linear between its rows, held at its ends.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-/// `[[disturbance]] kind = "table"`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq)]
+/// A force from a CSV file, linear between its rows and held at its ends.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
     /// Axis it acts on.

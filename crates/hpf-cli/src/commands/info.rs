@@ -1,0 +1,43 @@
+//! `hpf info`: what is in this file?
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::cli::{Check, Common, Info};
+use crate::failure::{Failure, Outcome};
+use crate::files::{in_file, read_text};
+use crate::{log, render};
+
+/// Runs `hpf info`.
+pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
+    let path = &options.file;
+    let has_extension = |name: &str| path.extension().is_some_and(|extension| extension == name);
+    if path.is_dir() {
+        return run_directory(path, common);
+    }
+    if has_extension("mcap") || path.to_string_lossy().ends_with(".mcap.partial") {
+        let contents = log::summarize(path).map_err(in_file(path))?;
+        if common.json {
+            println!("{:#}", contents.to_json());
+        } else {
+            print!("{contents}");
+        }
+        return Ok(Outcome::Done);
+    }
+    super::check::check(&Check { file: path.clone(), set: Vec::new() }, common)
+}
+
+fn run_directory(path: &Path, common: &Common) -> Result<Outcome, Failure> {
+    let file = path.join("summary.json");
+    let summary: Value = serde_json::from_str(&read_text(&file)?).map_err(in_file(&file))?;
+    if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
+        return Err(in_file(&file)("this is not a summary of version 1"));
+    }
+    if common.json {
+        println!("{summary:#}");
+    } else {
+        print!("{}", render::summary(&summary));
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,123 @@
+//! `hpf run`: a learned policy, simulated again.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use hpf_sim::{Policy, Simulation};
+
+use crate::cli::{Common, Simulate};
+use crate::directory::Unfinished;
+use crate::failure::{Failure, Outcome};
+use crate::files::{LoadedTask, in_file, read_policy, read_task, sha256, while_writing};
+use crate::log::{self, Head};
+use crate::results::{LearningRow, Run};
+use crate::summary::Summary;
+use crate::{figure, overrides, render, results};
+
+/// What `--set` may change: the policy decides the rest.
+const ENVIRONMENT: [&str; 6] = ["rate", "disturbance", "contact", "via_point", "cost", "accept"];
+
+/// Runs `hpf run`.
+pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure> {
+    let started = Instant::now();
+    let (policy_path, task_path) = paths(options)?;
+    let policy = read_policy(&policy_path)?;
+    let mut loaded = read_task(&task_path, &changes(options, common)?)?;
+    let tables = results::own_tables(&mut loaded.task);
+    loaded.text = overrides::apply(&loaded.text, &tables.iter().map(|table| table.change.clone()).collect::<Vec<_>>())?;
+
+    let simulation = Simulation::new(&loaded.task, &policy).map_err(in_file(&policy_path))?;
+    let weights = policy.weights();
+    let trajectory = simulation.rollout(&weights);
+    let cost = simulation.cost(&trajectory);
+    let price = (cost.total(), cost.terms.clone());
+    let row = LearningRow { update: 0, rollouts: 1, total: price.0, terms: cost.terms, exploration: 0.0 };
+    let run = Run { task: loaded.task.clone(), policy, learning: vec![row], trajectory, snapshots: Vec::new() };
+    let mut summary = Summary {
+        task: run.task.name.clone(),
+        task_sha256: sha256(&loaded.text),
+        policy_sha256: sha256(&run.policy.to_json()),
+        method: "simulation",
+        seed: run.task.learning.seed,
+        threads: rayon::current_num_threads(),
+        updates: 0,
+        best_update: 0,
+        rollouts: 1,
+        learning_s: 0.0,
+        total_s: started.elapsed().as_secs_f64(),
+        initial: price.clone(),
+        last: price,
+        metrics: simulation.metrics(&run.trajectory),
+        rejected: 0,
+        stopped_because: "a policy was run, nothing learned".into(),
+    };
+
+    let mut files = Vec::new();
+    if let Some(target) = &common.out {
+        let mut folder = Unfinished::begin(target, common.force)?;
+        let saved = (|| {
+            for table in &tables {
+                folder.write(&table.name, &table.csv)?;
+            }
+            save(&loaded, &run, &mut folder)?;
+            summary.total_s = started.elapsed().as_secs_f64();
+            folder.write("summary.json", format!("{:#}\n", summary.to_json()))
+        })();
+        if let Err(failure) = saved {
+            return Err(folder.abandon(failure));
+        }
+        files = folder.files().to_vec();
+        folder.finish()?;
+    }
+
+    let place = common.out.as_ref().map(|out| out.display().to_string());
+    if common.json {
+        println!("{}", render::json(&summary, place.as_deref(), &files));
+    } else {
+        print!("{}", render::simulated(&run.task, &summary, place.as_deref(), &files));
+    }
+    Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
+}
+
+/// The policy file and the task file it runs in.
+fn paths(options: &Simulate) -> Result<(PathBuf, PathBuf), Failure> {
+    let is_run = options.policy.is_dir();
+    let policy = if is_run { options.policy.join("policy.json") } else { options.policy.clone() };
+    let beside = policy.parent().unwrap_or(Path::new("")).join("task.toml");
+    match &options.task {
+        Some(task) => Ok((policy, task.clone())),
+        None if !policy.is_file() || beside.is_file() => Ok((policy, beside)),
+        None => {
+            let message = format!("{} has no task.toml beside it: name the task with --task", policy.display());
+            Err(Failure::Input(message))
+        }
+    }
+}
+
+/// The overrides asked for, if they leave the policy's own part alone.
+fn changes(options: &Simulate, common: &Common) -> Result<Vec<String>, Failure> {
+    for one in &options.set {
+        let root = one.split(['.', '=']).next().unwrap_or_default().trim();
+        if !ENVIRONMENT.contains(&root) {
+            let allowed = ENVIRONMENT.join(", ");
+            let message = format!("--set {one}: the policy decides `{root}`; a run can change: {allowed}");
+            return Err(Failure::Input(message));
+        }
+    }
+    let mut changes = options.set.clone();
+    changes.extend(options.rate.map(|rate| format!("rate={rate:?}")));
+    changes.extend(common.seed.map(|seed| format!("learning.seed={seed}")));
+    Ok(changes)
+}
+
+fn save(loaded: &LoadedTask, run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
+    let policy: &Policy = &run.policy;
+    let policy = policy.to_json();
+    folder.write("task.toml", &loaded.text)?;
+    folder.write("policy.json", &policy)?;
+    results::write_tables(run, folder)?;
+    let head = Head::new(&run.task, &loaded.text, &policy);
+    log::write(&folder.path("log.mcap"), &head, run).map_err(while_writing(&folder.path("log.mcap")))?;
+    folder.written("log.mcap");
+    figure::draw_into(run, folder)
+}

@@ -1,0 +1,55 @@
+//! How a command ends, and what it says when it fails.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// A command that did its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All went well.
+    Done,
+    /// It finished, but a target of `[accept]` was missed.
+    Missed,
+    /// Ctrl-C; what was learned so far is saved.
+    Interrupted,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Done => Self::from(0),
+            Outcome::Missed => Self::from(3),
+            Outcome::Interrupted => Self::from(130),
+        }
+    }
+}
+
+/// A command that could not do its work.
+#[derive(Debug)]
+pub enum Failure {
+    /// The user's input or arguments are wrong: the message says what is right.
+    Input(String),
+    /// Mistakes in a task file, already rendered with their places.
+    Report(String),
+    /// The work itself failed.
+    Work(String),
+}
+
+impl Failure {
+    /// The exit code that goes with it.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Input(_) | Self::Report(_) => ExitCode::from(2),
+            Self::Work(_) => ExitCode::from(1),
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(message) | Self::Work(message) => write!(f, "error: {message}"),
+            Self::Report(report) => f.write_str(report),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Reading tasks and policies, writing results: every message names the file.
+
+use std::fmt::Display;
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use hpf_sim::environment::Disturbance;
+use hpf_sim::environment::disturbance::Samples;
+use hpf_sim::task::{MAX_TASK_BYTES, Task};
+use hpf_sim::Policy;
+use sha2::{Digest as _, Sha256};
+
+use crate::failure::Failure;
+use crate::{overrides, report};
+
+/// Largest data file read [bytes]: the longest trajectory of the most axes, in full digits.
+const MAX_BYTES: u64 = 2 << 30;
+
+/// A task as it will run.
+pub struct LoadedTask {
+    /// The task, tables read.
+    pub task: Task,
+    /// The text it comes from, overrides applied.
+    pub text: String,
+}
+
+/// Puts the name of a file before an error of the data in it.
+pub fn in_file<E: Display>(path: &Path) -> impl FnOnce(E) -> Failure {
+    move |error| Failure::Input(format!("{}: {error}", path.display()))
+}
+
+/// Puts what could not be written before an error of the system.
+pub fn while_writing<E: Display>(path: &Path) -> impl FnOnce(E) -> Failure {
+    move |error| Failure::Work(format!("cannot write {}: {error}", path.display()))
+}
+
+/// Reads a text file.
+///
+/// # Errors
+/// [`Failure::Input`] for a file that is missing, a directory, too large, or not text.
+pub fn read_text(path: &Path) -> Result<String, Failure> {
+    read_limited(path, MAX_BYTES)
+}
+
+fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
+    let say = |what: String| Failure::Input(format!("{}: {what}", path.display()));
+    let metadata = fs::metadata(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => say("there is no such file".into()),
+        _ => say(error.to_string()),
+    })?;
+    if metadata.is_dir() {
+        return Err(say("this is a directory, a file is wanted".into()));
+    }
+    if metadata.len() > limit {
+        return Err(say(format!("{} bytes, at most {limit} are read", metadata.len())));
+    }
+    let bytes = fs::read(path).map_err(|error| say(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let column = valid.iter().rev().take_while(|byte| **byte != b'\n').count() + 1;
+        Failure::Input(format!("{}:{line}:{column}: this is not text (UTF-8)", path.display()))
+    })
+}
+
+/// Reads and checks a task file, applies `overrides` (each `key.path=value`), and reads its tables.
+///
+/// # Errors
+/// [`Failure`] with every mistake of the file and its place.
+pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failure> {
+    let text = read_limited(path, MAX_TASK_BYTES as u64)?;
+    let name = path.display().to_string();
+    let parse = |text: &str, name: &str| Task::parse(text).map_err(|found| report::render(&found, text, name));
+    let mut task = parse(&text, &name)?;
+    let mut text = text;
+    if !overrides.is_empty() {
+        text = overrides::apply(&text, overrides)?;
+        task = parse(&text, &format!("{name} (with --set {})", overrides.join(" --set ")))?;
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for disturbance in &mut task.disturbance {
+        if let Disturbance::Table(table) = disturbance {
+            table.samples = read_table(&folder.join(&table.file))?;
+        }
+    }
+    Ok(LoadedTask { task, text })
+}
+
+/// Reads a force table: CSV with the header `time_s,force_n`.
+fn read_table(path: &Path) -> Result<Samples, Failure> {
+    let text = read_text(path)?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(in_file(path))?;
+    if !header.iter().eq(["time_s", "force_n"]) {
+        let found = header.iter().collect::<Vec<_>>().join(",");
+        return Err(in_file(path)(format!("1:1: the header must be time_s,force_n, not {found}")));
+    }
+    let rows: Result<Vec<(f64, f64)>, _> = reader.deserialize().collect();
+    Samples::new(&rows.map_err(in_file(path))?).map_err(in_file(path))
+}
+
+/// Reads and checks a policy file.
+///
+/// # Errors
+/// [`Failure::Input`] that says which of its numbers cannot be.
+pub fn read_policy(path: &Path) -> Result<Policy, Failure> {
+    let text = read_limited(path, hpf_sim::MAX_POLICY_BYTES as u64)?;
+    Policy::parse(&text).map_err(in_file(path))
+}
+
+/// SHA-256 of a text, in hexadecimal.
+pub fn sha256(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Writes a file under a temporary name and renames it: under its own name it is whole or not there.
+///
+/// # Errors
+/// [`Failure::Work`] that names the file.
+pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
+    let write = || -> io::Result<()> {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        let temporary = path.with_added_extension("partial");
+        let mut file = File::create(&temporary)?;
+        let written = file.write_all(bytes.as_ref()).and_then(|()| file.sync_all());
+        match written.and_then(|()| fs::rename(&temporary, path)) {
+            Ok(()) => Ok(()),
+            Err(error) => {
+                // The error to report is the first one; a leftover is removed as far as possible.
+                let _ = fs::remove_file(&temporary);
+                Err(error)
+            }
+        }
+    };
+    write().map_err(while_writing(path))
+}
+

@@ -1,0 +1,282 @@
+//! What is in an MCAP file, complete or not, ours or not.
+//!
+//! No length in the file is believed: bytes are read as they come, and a record is taken only when all of it is there.
+//! Of a truncated file this finds every whole chunk. An open chunk, as other writers leave it, carries the length
+//! `u64::MAX`: it counts as the end of the file.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use mcap::McapError;
+use mcap::records::op;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+/// Bytes read at once.
+const BLOCK: usize = 64 << 10;
+/// Largest record taken from a chunk, if the file is not larger: a chunk can be larger than its file.
+const LIMIT: u64 = 16 << 20;
+/// Largest record of any file: nothing in it may take more memory.
+const MOST: u64 = 1 << 30;
+
+/// What is in a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// How it ends.
+    pub ending: Ending,
+    /// The program that wrote it.
+    pub library: String,
+    /// The topics, by name.
+    pub topics: BTreeMap<String, TopicSummary>,
+    /// Messages of all topics.
+    pub messages: u64,
+    /// Whole chunks.
+    pub chunks: u64,
+    /// Time of the first and of the last message [ns].
+    pub times: Option<(u64, u64)>,
+    /// Attachments in their order: name, media type and size [bytes].
+    pub attachments: Vec<(String, String, u64)>,
+    /// Metadata by name.
+    pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+/// What is in a topic.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TopicSummary {
+    /// Name of its schema; empty where it has none.
+    pub schema: String,
+    /// Encoding of its schema.
+    pub schema_encoding: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// Number of its messages.
+    pub messages: u64,
+}
+
+/// How a file ends.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Ending {
+    /// As it should, and every checksum is right.
+    Complete,
+    /// In the middle: its writer was stopped.
+    #[default]
+    Truncated,
+    /// With bytes that cannot be: what is wrong with them.
+    Damaged(String),
+}
+
+/// Reads what is in the file at `path`.
+///
+/// # Errors
+/// A file that cannot be read, or that is no MCAP file from its first bytes on.
+pub fn summarize(path: &Path) -> io::Result<Summary> {
+    let file = File::open(path)?;
+    let length = file.metadata()?.len();
+    summarize_bytes(file, length)
+}
+
+/// The same of `length` bytes.
+pub(super) fn summarize_bytes(mut bytes: impl Read, length: u64) -> io::Result<Summary> {
+    let limit = usize::try_from(length.clamp(LIMIT, MOST)).unwrap_or(usize::MAX);
+    let options = LinearReaderOptions::default()
+        .with_emit_chunks(true)
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true)
+        .with_record_length_limit(limit);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut contents = Contents::default();
+    let mut begun = false;
+    contents.summary.ending = loop {
+        match reader.next_event() {
+            None => break Ending::Complete,
+            Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
+                let read = bytes.read(reader.insert(wanted.min(BLOCK)))?;
+                reader.notify_read(read);
+            }
+            Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                begun = true;
+                if let Err(ending) = contents.take(opcode, data, limit) {
+                    break ending;
+                }
+            }
+            Some(Err(McapError::BadMagic)) if !begun => {
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "this is not an MCAP file"));
+            }
+            Some(Err(error)) => break ending_of(&error, length),
+        }
+    };
+    if !begun && length < mcap::MAGIC.len() as u64 {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "this is not an MCAP file: it is too short"));
+    }
+    Ok(contents.summary())
+}
+
+fn ending_of(error: &McapError, length: u64) -> Ending {
+    match error {
+        McapError::UnexpectedEof => Ending::Truncated,
+        McapError::RecordTooLarge { len, .. } if *len > length => Ending::Truncated,
+        other => Ending::Damaged(other.to_string()),
+    }
+}
+
+/// What was found so far.
+#[derive(Default)]
+struct Contents {
+    summary: Summary,
+    schemas: BTreeMap<u16, (String, String)>,
+    channels: BTreeMap<u16, Channel>,
+}
+
+#[derive(Default)]
+struct Channel {
+    topic: String,
+    schema: u16,
+    encoding: String,
+    messages: u64,
+}
+
+impl Contents {
+    /// Takes a record of the file, and all records of a chunk or none.
+    fn take(&mut self, opcode: u8, data: &[u8], limit: usize) -> Result<(), Ending> {
+        if opcode != op::CHUNK {
+            return self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)));
+        }
+        // A chunk whose checksum is wrong gives no record at all.
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(limit);
+        if !is_framed(data) {
+            return Err(Ending::Damaged(bad_record(opcode)));
+        }
+        let mut reader = LinearReader::new_with_options(options);
+        let mut record = [&[opcode][..], &(data.len() as u64).to_le_bytes(), data].concat();
+        let mut rest = record.drain(..);
+        while let Some(event) = reader.next_event() {
+            match event.map_err(|error| Ending::Damaged(error.to_string()))? {
+                LinearReadEvent::ReadRequest(wanted) => {
+                    let part: Vec<u8> = rest.by_ref().take(wanted.min(BLOCK)).collect();
+                    reader.insert(part.len()).copy_from_slice(&part);
+                    reader.notify_read(part.len());
+                }
+                LinearReadEvent::Record { opcode, data } => {
+                    self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)))?;
+                }
+            }
+        }
+        self.summary.chunks += 1;
+        Ok(())
+    }
+
+    /// Takes a record; `None` where its fields are not all there.
+    fn record(&mut self, opcode: u8, data: &[u8]) -> Option<()> {
+        let mut fields = Fields(data);
+        match opcode {
+            op::HEADER => {
+                fields.text()?;
+                self.summary.library = fields.text()?;
+            }
+            op::SCHEMA => {
+                self.schemas.insert(fields.u16()?, (fields.text()?, fields.text()?));
+            }
+            op::CHANNEL => {
+                let (id, schema) = (fields.u16()?, fields.u16()?);
+                let (topic, encoding) = (fields.text()?, fields.text()?);
+                // The summary section repeats every channel.
+                let messages = self.channels.get(&id).map_or(0, |channel| channel.messages);
+                self.channels.insert(id, Channel { topic, schema, encoding, messages });
+            }
+            op::MESSAGE => {
+                let (id, _sequence, time) = (fields.u16()?, fields.u32()?, fields.u64()?);
+                self.channels.get_mut(&id)?.messages += 1;
+                let (first, last) = self.summary.times.unwrap_or((time, time));
+                self.summary.times = Some((first.min(time), last.max(time)));
+                self.summary.messages += 1;
+            }
+            op::ATTACHMENT => {
+                fields.bytes(16)?;
+                self.summary.attachments.push((fields.text()?, fields.text()?, fields.u64()?));
+            }
+            op::METADATA => {
+                let name = fields.text()?;
+                let length = fields.u32()? as usize;
+                let mut pairs = Fields(fields.bytes(length)?);
+                let mut map = BTreeMap::new();
+                while !pairs.0.is_empty() {
+                    map.insert(pairs.text()?, pairs.text()?);
+                }
+                self.summary.metadata.insert(name, map);
+            }
+            _ => {}
+        }
+        Some(())
+    }
+
+    fn summary(mut self) -> Summary {
+        for channel in self.channels.into_values() {
+            let (schema, schema_encoding) = self.schemas.get(&channel.schema).cloned().unwrap_or_default();
+            let topic = self.summary.topics.entry(channel.topic).or_default();
+            let messages = topic.messages + channel.messages;
+            *topic = TopicSummary { schema, schema_encoding, encoding: channel.encoding, messages };
+        }
+        self.summary
+    }
+}
+
+fn bad_record(opcode: u8) -> String {
+    format!("a record of kind {opcode:#04x} has fields longer than itself")
+}
+
+/// Whether the header of a chunk is whole and, where the chunk is not compressed, its records fill it.
+fn is_framed(chunk: &[u8]) -> bool {
+    let mut fields = Fields(chunk);
+    let records = (|| {
+        fields.bytes(28)?;
+        let compression = fields.text()?;
+        let length = usize::try_from(fields.u64()?).ok()?;
+        Some((compression, fields.bytes(length)?))
+    })();
+    let Some((compression, records)) = records else { return false };
+    let mut records = Fields(records);
+    while compression.is_empty() && !records.0.is_empty() {
+        let length = records.bytes(1).and_then(|_| records.u64()).and_then(|length| usize::try_from(length).ok());
+        if length.and_then(|length| records.bytes(length)).is_none() {
+            return false;
+        }
+    }
+    true
+}
+
+/// The fields of a record, taken from its front; `None` where it is too short.
+struct Fields<'a>(&'a [u8]);
+
+impl<'a> Fields<'a> {
+    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (front, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(front)
+    }
+
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.bytes(N)?.try_into().ok()
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    fn text(&mut self) -> Option<String> {
+        let length = self.u32()? as usize;
+        self.bytes(length).map(|text| String::from_utf8_lossy(text).into_owned())
+    }
+}

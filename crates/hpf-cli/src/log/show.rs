@@ -1,0 +1,84 @@
+//! What is in a log, as text and as JSON.
+
+use std::fmt;
+
+use serde_json::{Value, json};
+
+use super::read::{Ending, Summary};
+
+impl Ending {
+    fn word(&self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Truncated => "truncated",
+            Self::Damaged(_) => "damaged",
+        }
+    }
+}
+
+impl Summary {
+    /// The same as one JSON object.
+    pub fn to_json(&self) -> Value {
+        let topics = self.topics.iter().map(|(name, topic)| {
+            json!({
+                "name": name,
+                "messages": topic.messages,
+                "encoding": topic.encoding,
+                "schema": topic.schema,
+                "schema_encoding": topic.schema_encoding,
+            })
+        });
+        let attachments = self
+            .attachments
+            .iter()
+            .map(|(name, media_type, size)| json!({ "name": name, "media_type": media_type, "bytes": size }));
+        json!({
+            "format": "hpf-log-info",
+            "version": 1,
+            "ending": self.ending.word(),
+            "damage": match &self.ending { Ending::Damaged(reason) => Some(reason), _ => None },
+            "library": self.library,
+            "chunks": self.chunks,
+            "messages": self.messages,
+            "start_s": self.times.map(|(start, _)| seconds(start)),
+            "end_s": self.times.map(|(_, end)| seconds(end)),
+            "topics": topics.collect::<Vec<_>>(),
+            "attachments": attachments.collect::<Vec<_>>(),
+            "metadata": self.metadata,
+        })
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.ending {
+            Ending::Complete => write!(f, "complete")?,
+            Ending::Truncated => write!(f, "truncated; up to there")?,
+            Ending::Damaged(reason) => write!(f, "damaged ({reason}); up to there")?,
+        }
+        write!(f, ": {} messages in {} chunks", self.messages, self.chunks)?;
+        if let Some((start, end)) = self.times {
+            write!(f, ", from {} s to {} s", seconds(start), seconds(end))?;
+        }
+        writeln!(f, ", written by {}", if self.library.is_empty() { "?" } else { &self.library })?;
+        for (name, topic) in &self.topics {
+            let schema = if topic.schema.is_empty() { "-" } else { &topic.schema };
+            writeln!(f, "topic {name:<18} {:>8} messages  {:<8} {schema}", topic.messages, topic.encoding)?;
+        }
+        for (name, media_type, size) in &self.attachments {
+            writeln!(f, "attachment {name:<13} {size:>8} bytes     {media_type}")?;
+        }
+        for (name, pairs) in &self.metadata {
+            writeln!(f, "metadata {name}")?;
+            for (key, value) in pairs {
+                writeln!(f, "  {key:<22} {value}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A time [ns] in s.
+fn seconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 * 1e-9
+}

@@ -1,0 +1,111 @@
+//! `--set key.path=value`: changes to a task file that leave its comments and layout alone.
+
+use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+
+use crate::failure::Failure;
+
+/// `text` with each override applied, in their order. Keys are checked afterwards, with the whole file.
+///
+/// # Errors
+/// [`Failure::Input`] for an override that is no `key.path=value`, or whose path leads nowhere.
+pub fn apply(text: &str, overrides: &[String]) -> Result<String, Failure> {
+    let mut document: DocumentMut = text.parse().map_err(|error| Failure::Input(format!("{error}")))?;
+    for one in overrides {
+        set(document.as_table_mut(), one).map_err(|why| Failure::Input(format!("--set {one}: {why}")))?;
+    }
+    Ok(document.to_string())
+}
+
+fn set(root: &mut dyn TableLike, one: &str) -> Result<(), String> {
+    let Some((path, value)) = one.split_once('=') else {
+        return Err("write it as key.path=value, such as learning.updates=100".into());
+    };
+    let (path, value) = (path.trim(), value.trim());
+    let is_word = !value.is_empty() && value.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
+    let value = match value.parse() {
+        Ok(value) => value,
+        // A shell takes the quotes off: a bare word stands for a text.
+        Err(_) if is_word => Value::from(value),
+        Err(_) => return Err(format!("`{value}` is not a TOML value")),
+    };
+    let parts: Vec<&str> = path.split('.').collect();
+    if parts.contains(&"") {
+        return Err("the key has an empty part".into());
+    }
+    assign(root, &parts, value)
+}
+
+/// Puts `value` where `parts` lead from `table`: keys, made where they are missing, and positions in lists.
+fn assign(table: &mut dyn TableLike, parts: &[&str], value: Value) -> Result<(), String> {
+    let Some((key, rest)) = parts.split_first() else { return Err("the path ends at a list".into()) };
+    if rest.is_empty() {
+        match table.get_mut(key) {
+            Some(Item::Value(old)) => replace(old, value),
+            _ => drop(table.insert(key, Item::Value(value))),
+        }
+        return Ok(());
+    }
+    let item = table.entry(key).or_insert_with(|| Item::Table(Table::new()));
+    let position = |count: usize| match rest[0].parse() {
+        Ok(index) if index < count => Ok(index),
+        _ => Err(format!("`{key}` is a list of {count}, counted from 0: there is no `{}`", rest[0])),
+    };
+    match item {
+        Item::ArrayOfTables(tables) => {
+            let index = position(tables.len())?;
+            match tables.get_mut(index) {
+                Some(table) => assign(table, &rest[1..], value),
+                None => Err(format!("`{key}` has no entry {index}")),
+            }
+        }
+        Item::Value(Value::Array(array)) => {
+            let index = position(array.len())?;
+            match array.get_mut(index) {
+                Some(old) if rest.len() == 1 => Ok(replace(old, value)),
+                Some(Value::InlineTable(table)) => assign(table, &rest[1..], value),
+                _ => Err(format!("`{key}.{index}` is not a table")),
+            }
+        }
+        item => match item.as_table_like_mut() {
+            Some(table) => assign(table, rest, value),
+            None => Err(format!("`{key}` is not a table")),
+        },
+    }
+}
+
+/// Replaces a value, its comment staying where it is.
+fn replace(old: &mut Value, mut new: Value) {
+    *new.decor_mut() = old.decor().clone();
+    *old = new;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "rate = 100.0 # Hz\nnoise = { movement = 1.0 }\n\n[[axis]]\nname = \"x\"\nvia = [1.0, 2.0]\n";
+
+    fn set_one(one: &str) -> String {
+        apply(TEXT, &[one.to_owned()]).unwrap()
+    }
+
+    #[test]
+    fn a_value_is_replaced_and_its_comment_stays() {
+        assert!(set_one("rate=200.0").starts_with("rate = 200.0 # Hz\n"));
+    }
+
+    #[test]
+    fn a_path_leads_through_inline_tables_lists_and_missing_tables() {
+        assert!(set_one("noise.movement=2").contains("{ movement = 2 }"));
+        assert!(set_one("axis.0.name=y").contains("name = \"y\""));
+        assert!(set_one("axis.0.via.1=3.5").contains("[1.0, 3.5]"));
+        assert!(set_one("learning.updates=5").contains("[learning]\nupdates = 5"));
+    }
+
+    #[test]
+    fn what_leads_nowhere_is_refused() {
+        for one in ["rate", "=1", "a..b=1", "axis.1.name=y", "axis.name=y", "rate.x=1", "rate=[", "rate="] {
+            assert!(apply(TEXT, &[one.to_owned()]).is_err(), "{one}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! How far learning has come, on stderr.
+
+use std::io::{IsTerminal as _, stderr};
+use std::time::{Duration, Instant};
+
+use hpf_learn::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Time between plain lines.
+const INTERVAL: Duration = Duration::from_secs(2);
+
+/// A bar on a terminal, a plain line now and then elsewhere, nothing when quiet.
+pub enum Meter {
+    /// Nothing.
+    Quiet,
+    /// A bar.
+    Bar(ProgressBar),
+    /// Lines.
+    Lines {
+        /// Planned updates.
+        updates: usize,
+        /// When the last line was written.
+        last: Instant,
+    },
+}
+
+impl Meter {
+    /// A meter for `updates` of task `name`.
+    pub fn new(name: &str, updates: usize, rollouts: usize, quiet: bool) -> Self {
+        if quiet {
+            return Self::Quiet;
+        }
+        if !stderr().is_terminal() {
+            eprintln!("learning {name}: {updates} updates of {rollouts} rollouts");
+            return Self::Lines { updates, last: Instant::now() };
+        }
+        let bar = ProgressBar::with_draw_target(Some(updates as u64), ProgressDrawTarget::stderr());
+        let template = "learning {prefix} {wide_bar} {pos}/{len} updates, {per_sec}, {eta} left, cost {msg}";
+        let style = ProgressStyle::with_template(template).expect("the template is valid");
+        Self::Bar(bar.with_style(style).with_prefix(name.to_owned()))
+    }
+
+    /// Shows an evaluation.
+    pub fn show(&mut self, progress: &Progress) {
+        match self {
+            Self::Quiet => {}
+            Self::Bar(bar) => {
+                bar.set_position(progress.update as u64);
+                bar.set_message(format!("{:.4}", progress.total));
+            }
+            Self::Lines { updates, last } => {
+                let is_last = progress.update == *updates;
+                if progress.update == 0 || is_last || last.elapsed() >= INTERVAL {
+                    eprintln!("update {}/{updates}: cost {:.4}", progress.update, progress.total);
+                    *last = Instant::now();
+                }
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Results in the terminal: a few readable lines.
+
+use std::fmt::Write as _;
+
+use hpf_sim::cost::Term;
+use hpf_sim::environment::{Contact, cantilever::Curve};
+use hpf_sim::task::{Task, Unit};
+use hpf_sim::{Metric, Policy};
+use serde_json::Value;
+
+use crate::summary::Summary;
+
+/// The deviation that the paper claims for its cantilever [m].
+pub const PAPER_DEVIATION: f64 = 0.15e-3;
+
+/// A number with four digits that count, without exponent where it is readable.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = value.abs().log10().floor();
+    if !(-5.0..7.0).contains(&digits) {
+        return format!("{value:.3e}");
+    }
+    format!("{value:.*}", (3.0 - digits).clamp(0.0, 8.0) as usize)
+}
+
+/// A measure in the unit that suits its size: millimetres for small lengths.
+fn measure(value: f64, unit: &str) -> String {
+    match unit {
+        "m" if value.abs() < 0.1 => format!("{} mm", number(value * 1e3)),
+        "" => number(value),
+        unit => format!("{} {unit}", number(value)),
+    }
+}
+
+/// Cost by term before and after, terms that stay nought left out.
+pub fn costs(summary: &Summary) -> String {
+    let mut text = format!("{:<16} {:>12} {:>12}\n", "cost", "before", "after");
+    let ((before, initial), (after, last)) = (&summary.initial, &summary.last);
+    for ((name, before), after) in Term::NAMES.iter().zip(initial).zip(last) {
+        if *before != 0.0 || *after != 0.0 {
+            let _ = writeln!(text, "  {name:<14} {:>12} {:>12}", number(*before), number(*after));
+        }
+    }
+    let _ = writeln!(text, "  {:<14} {:>12} {:>12}", "total", number(*before), number(*after));
+    text
+}
+
+/// Measures with their targets, ranges of stiffness and damping last.
+pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
+    let mut text = format!("{:<20} {:>14}   {}\n", "measure", "value", "target");
+    let is_paper_curve = matches!(&task.contact, Some(Contact::Cantilever(beam)) if beam.curve == Curve::TipLoad);
+    for metric in metrics.iter().filter(|metric| !metric.name.starts_with("stiffness") && !metric.name.starts_with("damping")) {
+        let _ = write!(text, "  {:<18} {:>14}", metric.name, measure(metric.value, metric.unit));
+        if let (Some(target), Some(pass)) = (metric.target, metric.pass()) {
+            let verdict = if pass { "pass" } else { "MISSED" };
+            let _ = write!(text, "   {verdict}, at most {}", measure(target, metric.unit));
+        }
+        if metric.name == "max_deviation" && is_paper_curve {
+            let _ = write!(text, " (the paper: {})", measure(PAPER_DEVIATION, metric.unit));
+        }
+        text.push('\n');
+    }
+    let find = |name: &str| metrics.iter().find(|metric| metric.name == name);
+    for (name, gain) in [("stiffness", &task.stiffness), ("damping", &task.damping)] {
+        if let (Some(min), Some(max)) = (find(&format!("{name}_min")), find(&format!("{name}_max"))) {
+            let range = format!("{} .. {}", number(min.value), measure(max.value, max.unit));
+            let bounds = |bound: &hpf_sim::task::PerAxis, pick: fn(f64, f64) -> f64| {
+                number(bound.values().iter().copied().reduce(pick).unwrap_or_default())
+            };
+            let _ = writeln!(
+                text,
+                "  {name:<18} {range:>14}   bounds {} .. {}",
+                bounds(&gain.min, f64::min),
+                bounds(&gain.max, f64::max)
+            );
+        }
+    }
+    text
+}
+
+/// All of a learned run.
+pub fn learned(task: &Task, summary: &Summary, folder: &str, files: &[String], next: &str) -> String {
+    let mut text = format!(
+        "{}: {} updates, {} motions, {:.2} s of learning ({:.2} s in all), seed {}; stopped because {}\n",
+        summary.task,
+        summary.updates,
+        summary.rollouts,
+        summary.learning_s,
+        summary.total_s,
+        summary.seed,
+        summary.stopped_because
+    );
+    if summary.rejected > 0 {
+        let _ = writeln!(text, "{} rollouts had no finite cost and were left out", summary.rejected);
+    }
+    let _ = write!(text, "\n{}\n{}", costs(summary), metrics(task, &summary.metrics));
+    let _ = write!(text, "\nwritten to {folder}:\n{}", wrapped(files));
+    let _ = write!(text, "\nnext: {next}\n");
+    text
+}
+
+/// A simulated policy.
+pub fn simulated(task: &Task, summary: &Summary, folder: Option<&str>, files: &[String]) -> String {
+    let mut text = format!("{} at {} Hz\n\n{:<16} {:>12}\n", summary.task, task.rate, "cost", "");
+    for (name, value) in Term::NAMES.iter().zip(&summary.last.1).filter(|(_, value)| **value != 0.0) {
+        let _ = writeln!(text, "  {name:<14} {:>12}", number(*value));
+    }
+    let _ = writeln!(text, "  {:<14} {:>12}\n", "total", number(summary.last.0));
+    text += &metrics(task, &summary.metrics);
+    if let Some(folder) = folder {
+        let _ = write!(text, "\nwritten to {folder}:\n{}", wrapped(files));
+    }
+    text
+}
+
+/// The result for programs: the summary, and where its files are.
+pub fn json(summary: &Summary, folder: Option<&str>, files: &[String]) -> String {
+    let mut object = summary.to_json();
+    object["directory"] = folder.into();
+    object["files"] = files.into();
+    format!("{object:#}")
+}
+
+/// What a task comes to.
+pub fn task(task: &Task, parameters: usize, initial_cost: f64) -> String {
+    let mut text = format!("{}: a valid task\n", task.name);
+    let steps = task.steps();
+    let _ = writeln!(text, "  motion      {} s at {} Hz, {steps} steps", task.duration, task.rate);
+    for axis in &task.axis {
+        let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+        let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
+    }
+    for disturbance in &task.disturbance {
+        let _ = writeln!(text, "  force       {} on {}", disturbance.kind(), disturbance.axis());
+    }
+    if let Some(contact) = &task.contact {
+        let _ = writeln!(text, "  contact     {} on {}", contact.kind(), contact.axis());
+    }
+    for via in &task.via_point {
+        let _ = writeln!(text, "  via point   {:?} at {} s", via.position, via.time);
+    }
+    let learning = &task.learning;
+    let motions = 1 + learning.updates * (learning.rollouts + 1);
+    let planned = learning.max_rollouts.map_or(motions, |max| max.min(motions));
+    let _ = writeln!(text, "  learning    {parameters} parameters, {} updates of {} rollouts, at most {planned} motions", learning.updates, learning.rollouts);
+    let _ = writeln!(text, "  cost        {} before learning", number(initial_cost));
+    text
+}
+
+/// What a policy is.
+pub fn policy(policy: &Policy) -> String {
+    let mut text = format!("{}: a valid policy, {} s\n", policy.task, policy.duration_s);
+    for axis in &policy.axes {
+        let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+        let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
+        for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
+            let range = gain.weights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, w| (r.0.min(*w), r.1.max(*w)));
+            let _ = writeln!(text, "    {name:<9} {} .. {}, bounds {} .. {}", number(range.0), number(range.1), number(gain.min), number(gain.max));
+        }
+        let counts = [axis.movement.weights.len(), axis.stiffness.weights.len(), axis.damping.weights.len()];
+        let _ = writeln!(text, "    basis     {} movement, {} stiffness, {} damping", counts[0], counts[1], counts[2]);
+    }
+    let from = &policy.provenance;
+    let _ = writeln!(text, "  learned     hpf {}, seed {}, {} updates, cost {}", from.hpf, from.seed, from.updates, number(from.cost));
+    text
+}
+
+/// A summary read back from a run directory.
+pub fn summary(summary: &Value) -> String {
+    let text_of = |key: &str| summary[key].as_str().unwrap_or("?").to_owned();
+    let number_of = |value: &Value| value.as_f64().map_or("?".into(), number);
+    let mut text = format!(
+        "{}: {}, {} updates, {} motions, seed {}; stopped because {}\n\n{:<16} {:>12} {:>12}\n",
+        text_of("task"),
+        text_of("method"),
+        summary["updates"],
+        summary["rollouts_total"],
+        summary["seed"],
+        text_of("stopped_because"),
+        "cost",
+        "before",
+        "after"
+    );
+    for (name, before) in summary["cost"]["initial"].as_object().into_iter().flatten() {
+        let after = &summary["cost"]["final"][name];
+        if before.as_f64() != Some(0.0) || after.as_f64() != Some(0.0) {
+            let _ = writeln!(text, "  {name:<14} {:>12} {:>12}", number_of(before), number_of(after));
+        }
+    }
+    let _ = writeln!(text, "\n{:<20} {:>14}   target", "measure", "value");
+    for metric in summary["metrics"].as_array().into_iter().flatten() {
+        let unit = metric["unit"].as_str().unwrap_or_default();
+        let show = |value: &Value| value.as_f64().map_or("?".into(), |value| measure(value, unit));
+        let _ = write!(text, "  {:<18} {:>14}", metric["name"].as_str().unwrap_or("?"), show(&metric["value"]));
+        if let Some(pass) = metric["pass"].as_bool() {
+            let _ = write!(text, "   {}, at most {}", if pass { "pass" } else { "MISSED" }, show(&metric["target"]));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// File names in lines of at most 100 letters.
+pub fn wrapped(files: &[String]) -> String {
+    let mut text = String::new();
+    let mut line = String::new();
+    for file in files {
+        if line.len() + file.len() > 98 {
+            let _ = writeln!(text, " {line}");
+            line.clear();
+        }
+        let _ = write!(line, " {file}");
+    }
+    let _ = writeln!(text, " {line}");
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_four_digits_that_count() {
+        let cases = [(0.0, "0"), (12.0, "12.00"), (0.048_651, "0.04865"), (123_456.0, "123456"), (1e-9, "1.000e-9")];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!(measure(1.005e-5, "m"), "0.01005 mm");
+        assert_eq!(measure(0.3, "N"), "0.3000 N");
+    }
+}

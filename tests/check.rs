@@ -1,0 +1,134 @@
+//! `hpf check`, and what every command says of a bad task file.
+
+use std::path::Path;
+
+use crate::support::{expect, folder, read, task};
+
+/// The via point task with `from` replaced by `to`.
+fn changed(folder: &Path, from: &str, to: &str) -> &'static str {
+    let text = read(task("via_point.toml"));
+    assert!(text.contains(from), "{from}");
+    std::fs::write(folder.join("bad.toml"), text.replacen(from, to, 1)).unwrap();
+    "bad.toml"
+}
+
+#[test]
+fn shipped_tasks_are_valid() {
+    let folder = folder();
+    for name in ["via_point", "cantilever", "cantilever_moving_load", "reach"] {
+        let (stdout, _) = expect(0, folder.path(), &["check", &task(&format!("{name}.toml"))]);
+        assert!(stdout.starts_with(&format!("{name}: a valid task")), "{stdout}");
+    }
+}
+
+#[test]
+fn each_mistake_is_answered_with_its_place_and_what_is_allowed() {
+    let folder = folder();
+    let mistakes = [
+        ("duration = 5.0", "duraton = 5.0", "unknown key `duraton`, did you mean `duration`?"),
+        ("rate = 100.0", "rate = \"fast\"", "`rate` must be a number above 0"),
+        ("rate = 100.0", "rate = 0", "`rate` must be a number above 0"),
+        ("rate = 100.0", "rate = nan", "not a finite number"),
+        ("rate = 100.0", "rate = -inf", "not a finite number"),
+        ("time = 2.5", "time = 7.5", "no later than duration = 5 s"),
+        ("name = \"y\"", "name = \"x\"", "two axes are called `x`"),
+        ("min = 30.0", "min = 500.0", "above"),
+        ("goal = 1.0", "goal = 0.0", "goal scaling"),
+        ("basis = 20", "basis = 0", "at"),
+        ("basis = 20", "basis = 1", "2"),
+        ("position = [0.6, 0.8]", "position = [0.6]", "one number per axis"),
+        ("kind = \"sine\"", "kind = \"sinus\"", "did you mean `sine`?"),
+        ("axis = \"x\"", "axis = \"z\"", "no axis `z`"),
+        ("method = \"pi2\"", "method = \"pi3\"", "did you mean `pi2`?"),
+        ("[0, 100, 200, 600]", "[0, 100, 200, 601]", "601"),
+        ("goal = 1.0 ", "goal = [1.0 ", "a number"),
+    ];
+    for (from, to, words) in mistakes {
+        let file = changed(folder.path(), from, to);
+        for command in ["check", "learn"] {
+            let (stdout, stderr) = expect(2, folder.path(), &[command, file]);
+            assert!(stdout.is_empty());
+            assert!(stderr.contains(words), "{to}: {words} is missing from\n{stderr}");
+            assert!(has_place(&stderr, "bad.toml"), "{to}: no place in\n{stderr}");
+        }
+        assert!(!folder.path().join("runs").exists(), "nothing is written for a bad task");
+    }
+}
+
+/// Whether a report names `file:line:column`.
+fn has_place(report: &str, file: &str) -> bool {
+    report.split(&format!("{file}:")).skip(1).any(|rest| {
+        let mut numbers = rest.split(|c: char| !c.is_ascii_digit());
+        [numbers.next(), numbers.next()].iter().all(|n| n.is_some_and(|n| !n.is_empty()))
+    })
+}
+
+#[test]
+fn a_negative_width_of_the_beam_is_refused() {
+    let folder = folder();
+    std::fs::write(folder.path().join("bad.toml"), read(task("cantilever.toml")).replace("width = 0.05", "width = -0.05")).unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["learn", "bad.toml"]);
+    assert!(stderr.contains("bad.toml:") && stderr.contains("`width` must be a number above 0"), "{stderr}");
+}
+
+#[test]
+fn all_mistakes_are_shown_at_once() {
+    let folder = folder();
+    let text = read(task("via_point.toml")).replace("rate = 100.0", "rat = 100.0").replace("period = 5.0", "period = 0").replace("seed = 1", "seed = -1");
+    std::fs::write(folder.path().join("bad.toml"), text).unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["check", "bad.toml"]);
+    for words in ["unknown key `rat`", "no `rate`", "`period` is out of range", "`seed` is out of range", "5 mistakes in bad.toml"] {
+        assert!(stderr.contains(words), "{words} is missing from\n{stderr}");
+    }
+}
+
+#[test]
+fn what_is_no_task_file_is_refused() {
+    let folder = folder();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    write("empty.toml", b"");
+    write("blank.toml", b" \n\n");
+    write("binary.toml", &[0x7f, b'E', b'L', b'F', 0xff, 0xfe, 0x00, 0x80]);
+    write("zeros.toml", &[0; 4096]);
+    write("broken.toml", b"name = \"x\nduration = ");
+    for (file, words) in [
+        ("empty.toml", "the file is empty"),
+        ("blank.toml", "the file is empty"),
+        ("binary.toml", "binary.toml:1:5: this is not text"),
+        ("zeros.toml", "zeros.toml:1:1"),
+        ("broken.toml", "broken.toml:1:"),
+        ("missing.toml", "missing.toml: there is no such file"),
+        (".", "this is a directory"),
+    ] {
+        for command in ["learn", "check"] {
+            let (_, stderr) = expect(2, folder.path(), &[command, file]);
+            assert!(stderr.contains(words), "{file}: {stderr}");
+        }
+    }
+}
+
+#[test]
+fn overrides_are_checked_like_the_file() {
+    let folder = folder();
+    let file = task("via_point.toml");
+    for (change, words) in [
+        ("learning.udates=3", "did you mean `updates`?"),
+        ("learning.updates=many", "`updates` must be a whole number"),
+        ("via_point.1.time=2", "there is no `1`"),
+        ("rate", "key.path=value"),
+        ("rate=[", "not a TOML value"),
+    ] {
+        let (_, stderr) = expect(2, folder.path(), &["check", &file, "--set", change]);
+        assert!(stderr.contains(words), "{change}: {stderr}");
+    }
+    let (stdout, _) = expect(0, folder.path(), &["check", &file, "--set", "learning.updates=3", "--set", "output={}", "--set", "rate=1000"]);
+    assert!(stdout.contains("5000 steps") && stdout.contains("3 updates"), "{stdout}");
+}
+
+#[test]
+fn bad_arguments_exit_with_2() {
+    let folder = folder();
+    for arguments in [&["lern"][..], &["learn"], &["learn", "x", "--threads", "0"], &["learn", "x", "--seed", "one"], &["run"], &[]] {
+        expect(2, folder.path(), arguments);
+    }
+}

@@ -1,0 +1,93 @@
+//! What may be written where, and what may not.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::support::{expect, folder, read, task};
+
+fn learn(folder: &Path, code: i32, more: &[&str]) -> (String, String) {
+    let reach = task("reach.toml");
+    let arguments = [&["learn", &reach, "--quiet"], more].concat();
+    expect(code, folder, &arguments)
+}
+
+#[test]
+fn existing_results_are_left_alone_until_force_is_given() {
+    let folder = folder();
+    learn(folder.path(), 0, &["--out", "run"]);
+    let before = read(folder.path().join("run/learning.csv"));
+    let (_, stderr) = learn(folder.path(), 2, &["--out", "run", "--seed", "9"]);
+    assert!(stderr.contains("--force"), "{stderr}");
+    assert_eq!(read(folder.path().join("run/learning.csv")), before);
+    learn(folder.path(), 0, &["--out", "run", "--seed", "9", "--force"]);
+    assert_ne!(read(folder.path().join("run/learning.csv")), before);
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names, ["run"], "nothing else is left beside the run");
+}
+
+#[test]
+fn force_does_not_replace_what_is_no_run() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("thesis")).unwrap();
+    fs::write(folder.path().join("thesis/chapter1.txt"), "years of work").unwrap();
+    for more in [&["--out", "thesis"][..], &["--out", "thesis", "--force"], &["--out", "thesis/chapter1.txt", "--force"]] {
+        learn(folder.path(), 2, more);
+    }
+    assert_eq!(read(folder.path().join("thesis/chapter1.txt")), "years of work");
+}
+
+#[test]
+fn an_empty_directory_may_be_filled() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("run")).unwrap();
+    learn(folder.path(), 0, &["--out", "run"]);
+    assert!(folder.path().join("run/policy.json").exists());
+}
+
+#[test]
+fn a_broken_off_run_is_discarded_only_when_asked() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("run.partial")).unwrap();
+    let (_, stderr) = learn(folder.path(), 2, &["--out", "run"]);
+    assert!(stderr.contains("run.partial"), "{stderr}");
+    learn(folder.path(), 0, &["--out", "run", "--force"]);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_named_and_nothing_is_left() {
+    let folder = folder();
+    fs::write(folder.path().join("file"), "").unwrap();
+    let (_, stderr) = learn(folder.path(), 1, &["--out", "file/run"]);
+    assert!(stderr.contains("cannot write") && stderr.contains("file"), "{stderr}");
+    let (_, stderr) = learn(folder.path(), 1, &["--out", "/proc/hpf/run"]);
+    assert!(stderr.contains("/proc/hpf"), "{stderr}");
+}
+
+/// Needs the right to mount a file system of a given size; where it is missing, the test says so and ends.
+#[test]
+fn a_full_disk_is_reported_and_leaves_nothing_half_written() {
+    let folder = folder();
+    let disk = folder.path().join("disk");
+    fs::create_dir(&disk).unwrap();
+    let disk_name = disk.display().to_string();
+    let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs", &disk_name]).output();
+    if !mounted.is_ok_and(|output| output.status.success()) {
+        eprintln!("skipped: no right to mount a small disk here");
+        return;
+    }
+    let out = disk.join("run").display().to_string();
+    let result = std::panic::catch_unwind(|| {
+        let (_, stderr) = learn(Path::new("."), 1, &["--out", &out]);
+        assert!(stderr.contains("cannot write") && stderr.contains("space"), "{stderr}");
+        assert!(!Path::new(&out).exists(), "no result under its final name");
+        for entry in fs::read_dir(disk_name.clone() + "/run.partial").into_iter().flatten() {
+            let name = entry.unwrap().file_name();
+            assert!(!name.to_string_lossy().ends_with(".csv.partial"), "half-written: {name:?}");
+        }
+    });
+    Command::new("umount").arg(&disk).status().expect("umount starts");
+    if let Err(panic) = result {
+        std::panic::resume_unwind(panic);
+    }
+}
