@@ -5,9 +5,9 @@
 //! once:      1/2 W_via |p(t_via) - p_via|^2                     for each via point
 //! running:   1/2 [W_track (p - n)^2 + W_force (F_c - f_d)^2 + W_acc |a|^2 + W_stiff |k|^2 + W_damp |d|^2] dt
 //! ```
-//! p, v, a are the tool's actual motion, n the curve of the contact, F_c - f_d its force less the set-point (not in
-//! the paper: near a clamp a large error of force hides in a small deviation). Running terms are integrals, so a weight means
-//! the same at any rate (the paper sums without dt). Signals at samples are integrated by the trapezoid rule; the
+//! p, v, a are the tool's actual motion, n the curve of the contact, F_c - f_d its force less the set-point (not in the
+//! paper: near a clamp a large error of force hides in a small deviation). Running terms are integrals, so a weight
+//! means the same at any rate (the paper sums without dt). Signals at samples are integrated by the trapezoid rule; the
 //! acceleration of a step is the change of velocity over it.
 
 use hpf_learn::Cost;

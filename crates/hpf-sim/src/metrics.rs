@@ -29,6 +29,9 @@ impl Metric {
     }
 }
 
+/// A signal of an axis.
+type Signal = fn(&AxisTrace) -> &[f64];
+
 impl Simulation {
     /// All measures of `trace`.
     pub fn metrics(&self, trace: &Trace) -> Vec<Metric> {
@@ -77,7 +80,7 @@ impl Simulation {
 
         let offsets = trace.axes.iter().flat_map(|axis| axis.position.iter().zip(&axis.reference_position));
         metrics.push(metric("peak_offset", length, largest(offsets.map(|(p, r)| (p - r).abs())), None));
-        let gains: [(_, _, fn(&AxisTrace) -> &[f64]); 2] = [
+        let gains: [(_, _, Signal); 2] = [
             (["stiffness_min", "stiffness_max"], stiffness, |axis| &axis.stiffness),
             (["damping_min", "damping_max"], damping, |axis| &axis.damping),
         ];

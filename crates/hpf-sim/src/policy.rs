@@ -277,6 +277,7 @@ impl Policy {
             for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
                 let place = format!("{place}.{name}");
                 check_basis(&place, &gain.centers, &gain.widths, &gain.weights)?;
+                Gain::new(gain.min, gain.max, []).map_err(|reason| value_error(&place, reason))?;
                 for (j, &weight) in gain.weights.iter().enumerate() {
                     Gain::new(gain.min, gain.max, [weight])
                         .map_err(|reason| value_error(format!("{place}.weights[{j}]"), reason))?;

@@ -1,7 +1,7 @@
 //! The key-by-key page of the task file is what the code says: `UPDATE_DOCS=1 cargo test -p hpf-sim --test docs`
 //! writes it, the test without it checks it.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::path::Path;
 
 use hpf_sim::Task;

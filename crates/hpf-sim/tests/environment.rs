@@ -313,7 +313,11 @@ fn a_cantilever_starts_in_contact_equilibrium_and_is_not_lost_at_the_start() {
                 let weights = if draw == 0 { policy.weights() } else { scattered(&task, &policy, draw) };
                 let trace = simulation.rollout(&weights);
                 let contact = trace.contact.as_ref().unwrap();
-                assert!((contact.force[0] - 10.0).abs() < 1e-12 && trace.axes[0].velocity[0].abs() < 1e-12);
+                assert!((contact.force[0] - 10.0).abs() < 1e-12);
+                // The contact balances the set-point; the 1e-5 m it has yielded stretch the virtual spring by a
+                // millinewton or so, and that is all that moves the tool.
+                let axis = &trace.axes[0];
+                assert!((axis.velocity[0] + axis.stiffness[0] * 1e-5 / axis.damping[0]).abs() < 1e-12);
                 let early = (0.1 * rate) as usize;
                 assert!(contact.force[..=early].iter().all(|force| *force > 0.0), "{rate} {draw}");
             }
