@@ -34,8 +34,8 @@ fn each_mistake_is_answered_with_its_place_and_what_is_allowed() {
         ("name = \"y\"", "name = \"x\"", "two axes are called `x`"),
         ("min = 30.0", "min = 500.0", "above"),
         ("goal = 1.0", "goal = 0.0", "goal scaling"),
-        ("basis = 20", "basis = 0", "at"),
-        ("basis = 20", "basis = 1", "2"),
+        ("basis = 20", "basis = 0", "from 2 to 1000"),
+        ("basis = 20", "basis = 1", "from 2 to 1000"),
         ("position = [0.6, 0.8]", "position = [0.6]", "one number per axis"),
         ("kind = \"sine\"", "kind = \"sinus\"", "did you mean `sine`?"),
         ("axis = \"x\"", "axis = \"z\"", "no axis `z`"),
@@ -66,7 +66,11 @@ fn has_place(report: &str, file: &str) -> bool {
 #[test]
 fn a_negative_width_of_the_beam_is_refused() {
     let folder = folder();
-    std::fs::write(folder.path().join("bad.toml"), read(task("cantilever.toml")).replace("width = 0.05", "width = -0.05")).unwrap();
+    std::fs::write(
+        folder.path().join("bad.toml"),
+        read(task("cantilever.toml")).replace("width = 0.05", "width = -0.05"),
+    )
+    .unwrap();
     let (_, stderr) = expect(2, folder.path(), &["learn", "bad.toml"]);
     assert!(stderr.contains("bad.toml:") && stderr.contains("`width` must be a number above 0"), "{stderr}");
 }
@@ -74,10 +78,19 @@ fn a_negative_width_of_the_beam_is_refused() {
 #[test]
 fn all_mistakes_are_shown_at_once() {
     let folder = folder();
-    let text = read(task("via_point.toml")).replace("rate = 100.0", "rat = 100.0").replace("period = 5.0", "period = 0").replace("seed = 1", "seed = -1");
+    let text = read(task("via_point.toml"))
+        .replace("rate = 100.0", "rat = 100.0")
+        .replace("period = 5.0", "period = 0")
+        .replace("seed = 1", "seed = -1")
+        .replace("time = 2.5", "time = 25");
     std::fs::write(folder.path().join("bad.toml"), text).unwrap();
     let (_, stderr) = expect(2, folder.path(), &["check", "bad.toml"]);
-    for words in ["unknown key `rat`", "no `rate`", "`period` is out of range", "`seed` is out of range", "5 mistakes in bad.toml"] {
+    for words in [
+        "unknown key `rat`, did you mean `rate`?",
+        "`period` is out of range",
+        "`seed` is out of range",
+        "5 mistakes in bad.toml",
+    ] {
         assert!(stderr.contains(words), "{words} is missing from\n{stderr}");
     }
 }
@@ -121,14 +134,20 @@ fn overrides_are_checked_like_the_file() {
         let (_, stderr) = expect(2, folder.path(), &["check", &file, "--set", change]);
         assert!(stderr.contains(words), "{change}: {stderr}");
     }
-    let (stdout, _) = expect(0, folder.path(), &["check", &file, "--set", "learning.updates=3", "--set", "output={}", "--set", "rate=1000"]);
+    let (stdout, _) = expect(
+        0,
+        folder.path(),
+        &["check", &file, "--set", "learning.updates=3", "--set", "output={}", "--set", "rate=1000"],
+    );
     assert!(stdout.contains("5000 steps") && stdout.contains("3 updates"), "{stdout}");
 }
 
 #[test]
 fn bad_arguments_exit_with_2() {
     let folder = folder();
-    for arguments in [&["lern"][..], &["learn"], &["learn", "x", "--threads", "0"], &["learn", "x", "--seed", "one"], &["run"], &[]] {
+    for arguments in
+        [&["lern"][..], &["learn"], &["learn", "x", "--threads", "0"], &["learn", "x", "--seed", "one"], &["run"], &[]]
+    {
         expect(2, folder.path(), arguments);
     }
 }

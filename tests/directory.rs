@@ -31,7 +31,9 @@ fn force_does_not_replace_what_is_no_run() {
     let folder = folder();
     fs::create_dir(folder.path().join("thesis")).unwrap();
     fs::write(folder.path().join("thesis/chapter1.txt"), "years of work").unwrap();
-    for more in [&["--out", "thesis"][..], &["--out", "thesis", "--force"], &["--out", "thesis/chapter1.txt", "--force"]] {
+    for more in
+        [&["--out", "thesis"][..], &["--out", "thesis", "--force"], &["--out", "thesis/chapter1.txt", "--force"]]
+    {
         learn(folder.path(), 2, more);
     }
     assert_eq!(read(folder.path().join("thesis/chapter1.txt")), "years of work");

@@ -2,9 +2,12 @@
 
 mod acceptance;
 mod check;
+mod continuous;
 mod directory;
 mod info;
 mod learn;
 mod plot;
 mod run;
+#[path = "../crates/hpf-sim/tests/solver/mod.rs"]
+mod solver;
 mod support;

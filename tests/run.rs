@@ -6,7 +6,11 @@ use crate::support::{Columns, expect, folder, json, largest_difference, metric, 
 fn a_policy_learned_at_100_hz_moves_the_same_at_1000_hz() {
     let folder = folder();
     // Bounds from the second order of the step; measured differences are smaller by an order of magnitude.
-    for (name, axes, bound) in [("cantilever", &["y"][..], 0.005e-3), ("cantilever_moving_load", &["y"], 0.005e-3), ("via_point", &["x", "y"], 0.05e-3)] {
+    for (name, axes, bound) in [
+        ("cantilever", &["y"][..], 0.005e-3),
+        ("cantilever_moving_load", &["y"], 0.005e-3),
+        ("via_point", &["x", "y"], 0.05e-3),
+    ] {
         expect(0, folder.path(), &["learn", &task(&format!("{name}.toml")), "--quiet", "--out", name]);
         let fast = format!("{name}-fast");
         expect(0, folder.path(), &["run", name, "--rate", "1000", "--out", &fast]);

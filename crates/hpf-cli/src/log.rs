@@ -23,7 +23,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::Path;
 
-use foxglove::messages::{Timestamp, log};
+use foxglove::messages::Timestamp;
+use foxglove::messages::log::Level;
 use hpf_sim::Simulation;
 use hpf_sim::task::{Method, Task};
 use mcap::records::{MessageHeader, Metadata};
@@ -87,8 +88,8 @@ pub struct Log {
     buffer: Vec<u8>,
     /// Duration of the movement [s].
     duration: f64,
-    /// Updates that share it.
-    planned_updates: usize,
+    /// Updates that share it: the planned ones, until it is known how many were made.
+    updates: usize,
 }
 
 impl Log {
@@ -115,10 +116,8 @@ impl Log {
             .disable_seeking(true);
         let mut writer = options.create(file)?;
         writer.write_metadata(&Metadata { name: "hpf.run".into(), metadata: head.metadata() })?;
-        let files = [
-            ("task.toml", "application/toml", head.task_toml),
-            ("policy.json", "application/json", head.policy_json),
-        ];
+        let files =
+            [("task.toml", "application/toml", head.task_toml), ("policy.json", "application/json", head.policy_json)];
         for (name, media_type, text) in files {
             writer.attach(&Attachment {
                 log_time: 0,
@@ -139,12 +138,13 @@ impl Log {
             channels,
             buffer: Vec::new(),
             duration: head.task.duration,
-            planned_updates: head.task.learning.updates.max(1),
+            updates: head.task.learning.updates.max(1),
         };
-        let Task { name, duration, rate, learning, .. } = head.task;
-        let (axes, method, seed) = (head.task.axis.len(), head.method(), learning.seed);
-        log.say(0, log::Level::Info, format!("task {name}: {axes} axes, {duration} s at {rate} Hz"))?;
-        log.say(0, log::Level::Info, format!("method {method}, seed {seed}"))?;
+        let Task { name, duration, rate, axis, learning, .. } = head.task;
+        let axes: Vec<&str> = axis.iter().map(|axis| axis.name.as_str()).collect();
+        let (axes, method, seed) = (axes.join(", "), head.method(), learning.seed);
+        log.say(0, Level::Info, format!("task {name}: axes {axes}; {duration} s at {rate} Hz"))?;
+        log.say(0, Level::Info, format!("method {method}, seed {seed}"))?;
         Ok(log)
     }
 
@@ -188,11 +188,11 @@ impl Log {
 
     /// When an update stands on the time line [ns].
     fn update_time(&self, row: &LearningRow) -> u64 {
-        let share = row.update as f64 / self.planned_updates as f64;
+        let share = row.update as f64 / self.updates as f64;
         nanoseconds(self.duration * share.min(1.0))
     }
 
-    fn say(&mut self, time: u64, level: log::Level, message: String) -> Result<(), McapError> {
+    fn say(&mut self, time: u64, level: Level, message: String) -> Result<(), McapError> {
         let line = foxglove::messages::Log {
             timestamp: Some(timestamp(time)),
             level: level.into(),

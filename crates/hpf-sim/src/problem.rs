@@ -68,8 +68,8 @@ impl Learning {
     }
 }
 
-/// lambda of the paper's preset, in the unit of the cost. The paper does not state its value; 1 is a choice.
-const PAPER_LAMBDA: f64 = 1.0;
+/// lambda of the paper's preset, in the unit of the cost. The paper does not state its value; this one is a choice.
+const PAPER_LAMBDA: f64 = 0.1;
 
 /// Penalty of the fit that starts a path: enough to determine the weights, too little to bend the path.
 const START_PENALTY: f64 = 1e-9;

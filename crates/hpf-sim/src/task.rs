@@ -29,7 +29,7 @@ pub const MIN_GOAL_DISTANCE: f64 = 1e-6;
 
 /// A task, checked.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Task {
     /// Name of the task and of its run directory: letters, digits, `_`, `-` and `.`.
     pub name: String,
@@ -79,7 +79,7 @@ pub struct Task {
 
 /// One degree of freedom.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Axis {
     /// Name: a letter, then letters, digits or `_`.
     pub name: String,
@@ -105,7 +105,8 @@ pub enum Unit {
 
 /// The phase all primitives share: it falls from 1 to exp(-decay).
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Phase {
     /// Decay over the duration: s(T) = exp(-decay).
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 100))]
@@ -120,7 +121,8 @@ impl Default for Phase {
 
 /// The movement primitive: where to go.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Movement {
     /// Number of basis functions.
     #[schemars(range(min = 2, max = 1000))]
@@ -167,7 +169,7 @@ pub enum NamedScaling {
 
 /// A given scale of the forcing term.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Amplitude {
     /// A [axis unit].
     pub amplitude: PerAxis,
@@ -175,7 +177,7 @@ pub struct Amplitude {
 
 /// The stiffness and the damping primitive: how softly to hold the movement.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Gain {
     /// Number of basis functions.
     #[serde(default = "default_basis")]
@@ -203,7 +205,8 @@ fn default_overlap() -> f64 {
 
 /// The law by which the tool gives way.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Admittance {
     /// Order of the law: 1, `d e' + k e = f`.
     #[schemars(range(min = 1, max = 1))]
@@ -218,7 +221,7 @@ impl Default for Admittance {
 
 /// A position to pass through at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct ViaPoint {
     /// When to pass [s], after the start and no later than the duration.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -229,7 +232,8 @@ pub struct ViaPoint {
 
 /// Weights of the cost terms; each term is half the weight times a square. Nought leaves a term out.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct CostWeights {
     /// Distance to the goal at the end [1/unit^2].
     pub goal: PerAxis,
@@ -253,7 +257,8 @@ pub struct CostWeights {
 
 /// How to learn.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Learning {
     /// The learning method.
     pub method: Method,
@@ -327,7 +332,8 @@ pub enum Preset {
 
 /// Standard deviation of the exploration, by primitive.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Noise {
     /// Of the movement's weights [1].
     pub movement: PerAxis,
@@ -397,7 +403,8 @@ pub enum InitialPath {
 
 /// What to keep.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Output {
     /// Updates whose trajectory is kept and drawn.
     pub snapshots: Vec<usize>,
@@ -405,7 +412,8 @@ pub struct Output {
 
 /// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
 pub struct Accept {
     /// Largest deviation from the curve of the contact [m].
     #[schemars(range(min = 0))]
@@ -490,16 +498,22 @@ impl Task {
         }
         let document = keys::Document::parse(text)?;
         let mut found = document.check_against(&Self::schema());
-        if found.is_empty() {
-            match toml::from_str::<Self>(text) {
-                Ok(task) => {
-                    rules::check(&task, &document, &mut found);
-                    if found.is_empty() {
-                        return Ok(task);
-                    }
+        match toml::from_str::<Self>(text) {
+            Ok(task) => {
+                // A number that is wrong by itself need not be wrong with others too.
+                let told: Vec<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
+                rules::check(&task, &document, &mut found);
+                let mut index = 0;
+                found.retain(|diagnostic| {
+                    index += 1;
+                    index <= told.len() || !told.contains(&diagnostic.span)
+                });
+                if found.is_empty() {
+                    return Ok(task);
                 }
-                Err(error) => found.push(keys::from_toml(text, &error)),
             }
+            Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
+            Err(_) => {}
         }
         found.sort_by_key(|diagnostic| diagnostic.span.start);
         Err(found)

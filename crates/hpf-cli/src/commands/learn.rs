@@ -83,7 +83,8 @@ impl Learned {
         let weights = simulation.starting_weights(&start).map_err(|error| bad_task(&error))?;
 
         let log_path = folder.path("log.mcap.partial");
-        let head = Head::new(task, &loaded.text, &start.clone().with_weights(&weights).to_json());
+        let first_policy = start.clone().with_weights(&weights).to_json();
+        let head = Head::new(task, &loaded.text, &first_policy);
         let mut log = Log::create(&log_path, &head).map_err(while_writing(&log_path))?;
         let mut meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, quiet);
         let (mut rows, mut kept, mut log_failure) = (Vec::new(), Vec::new(), None);

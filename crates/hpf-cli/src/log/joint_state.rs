@@ -58,12 +58,12 @@ mod tests {
         let header = Header { sec: 1, nanosec: 2, frame_id: "" };
         let message = JointState { header, name: &["y"], position: &[0.5], velocity: &[], effort: &[] };
         let expected: [&[u8]; 10] = [
-            &[0, 1, 0, 0],                               // little-endian
-            &[1, 0, 0, 0],                               // sec
-            &[2, 0, 0, 0],                               // nanosec
-            &[1, 0, 0, 0, 0, 0, 0, 0],                   // frame_id: one byte, the end; filled up to 4
-            &[1, 0, 0, 0, 2, 0, 0, 0, b'y', 0, 0, 0],    // name: one, of two bytes; filled up to 4
-            &[1, 0, 0, 0],                               // position: one, which begins at a multiple of 8
+            &[0, 1, 0, 0],                            // little-endian
+            &[1, 0, 0, 0],                            // sec
+            &[2, 0, 0, 0],                            // nanosec
+            &[1, 0, 0, 0, 0, 0, 0, 0],                // frame_id: one byte, the end; filled up to 4
+            &[1, 0, 0, 0, 2, 0, 0, 0, b'y', 0, 0, 0], // name: one, of two bytes; filled up to 4
+            &[1, 0, 0, 0],                            // position: one, which begins at a multiple of 8
             &0.5_f64.to_le_bytes(),
             &[0, 0, 0, 0],
             &[0, 0, 0, 0],

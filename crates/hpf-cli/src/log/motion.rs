@@ -1,8 +1,6 @@
 //! The messages of a run: every sample of its motion, and its updates between them.
 
-use foxglove::messages::{
-    FrameTransform, FrameTransforms, Pose, PoseInFrame, PosesInFrame, Timestamp, log::Level,
-};
+use foxglove::messages::{FrameTransform, FrameTransforms, Pose, PoseInFrame, PosesInFrame, Timestamp, log::Level};
 use hpf_sim::task::{Task, Unit};
 use hpf_sim::{Metric, Trace};
 use mcap::McapError;
@@ -20,17 +18,17 @@ const MOST_POINTS: usize = 1000;
 impl Log {
     /// Logs a run: what stays, then motion and updates in the order of time, then how it ended.
     pub(super) fn run(&mut self, run: &Run, metrics: &[Metric]) -> Result<(), McapError> {
+        if let Some(last) = run.learning.last() {
+            self.updates = last.update.max(1);
+        }
         let motion = Motion { task: &run.task, trace: &run.trajectory, space: Space::new(&run.task) };
-        if let Some(first) = run.learning.first() {
+        if let [first, _, ..] = run.learning.as_slice() {
             self.say(0, Level::Info, format!("start: cost {}", short(first.total)))?;
         }
         let paths = motion.paths();
         for (topic, poses) in [(Topic::LearnedPath, &paths[0]), (Topic::ReferencePath, &paths[1])] {
-            let path = PosesInFrame {
-                timestamp: Some(Timestamp::default()),
-                frame_id: WORLD.into(),
-                poses: poses.clone(),
-            };
+            let path =
+                PosesInFrame { timestamp: Some(Timestamp::default()), frame_id: WORLD.into(), poses: poses.clone() };
             self.send(topic, 0, &path)?;
         }
         let scene = Scene::new(motion.task, motion.trace, &motion.space, corners(paths.iter().flatten()));
@@ -75,11 +73,14 @@ impl Log {
 
     fn results(&mut self, run: &Run, metrics: &[Metric]) -> Result<(), McapError> {
         let end = nanoseconds(self.duration).max(run.trajectory.time.last().map_or(0, |&time| nanoseconds(time)));
-        let provenance = &run.policy.provenance;
         if let Some(last) = run.learning.last() {
-            let (updates, motions) = (last.update, last.rollouts);
-            let cost = short(provenance.cost);
-            self.say(end, Level::Info, format!("end: cost {cost} after {updates} updates, {motions} motions"))?;
+            // The policy is the best of all evaluations, not the last.
+            let cost = short(run.learning.iter().map(|row| row.total).fold(last.total, f64::min));
+            let way = match last.update {
+                0 => String::new(),
+                updates => format!(" after {updates} updates, {} motions", last.rollouts),
+            };
+            self.say(end, Level::Info, format!("end: cost {cost}{way}"))?;
         }
         for metric in metrics {
             let Some((target, pass)) = metric.target.zip(metric.pass()) else { continue };
@@ -111,10 +112,7 @@ impl Motion<'_> {
     /// Of the tool, and of its reference.
     fn poses(&self, i: usize) -> [Pose; 2] {
         let (axes, travel) = (&self.trace.axes, self.travel(i));
-        [
-            self.space.pose(|a| axes[a].position[i], travel),
-            self.space.pose(|a| axes[a].reference_position[i], travel),
-        ]
+        [self.space.pose(|a| axes[a].position[i], travel), self.space.pose(|a| axes[a].reference_position[i], travel)]
     }
 
     /// The whole path of the tool, and of its reference.
@@ -170,11 +168,8 @@ impl Motion<'_> {
             self.trace.axes.iter().map(|axis| axis.velocity[i]).collect(),
             self.trace.axes.iter().map(|axis| axis.force[i]).collect(),
         ];
-        let header = Header {
-            sec: i32::try_from(stamp.sec()).unwrap_or(i32::MAX),
-            nanosec: stamp.nsec(),
-            frame_id: WORLD,
-        };
+        let header =
+            Header { sec: i32::try_from(stamp.sec()).unwrap_or(i32::MAX), nanosec: stamp.nsec(), frame_id: WORLD };
         JointState { header, name: &names, position: &position, velocity: &velocity, effort: &effort }.to_cdr()
     }
 }

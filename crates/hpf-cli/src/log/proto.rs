@@ -167,7 +167,7 @@ mod tests {
     }
 
     /// A message made from the definition, where every field holds its own number, reads into the struct by name.
-    fn check<M: Message + Default>(name: &str) {
+    fn check<M: Message + Default + core::fmt::Debug>(name: &str) {
         let (mut bytes, mut expected) = (Vec::new(), Vec::new());
         for field in message(name).field {
             let number = field.number() as u32;

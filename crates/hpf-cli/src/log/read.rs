@@ -1,8 +1,8 @@
 //! What is in an MCAP file, complete or not, ours or not.
 //!
-//! No length in the file is believed: bytes are read as they come, and a record is taken only when all of it is there.
-//! Of a truncated file this finds every whole chunk. An open chunk, as other writers leave it, carries the length
-//! `u64::MAX`: it counts as the end of the file.
+//! No length in the file is believed: bytes are read as they come, a record is taken only when all of it is there, and
+//! what a chunk says of its contents must stay below [`LIMIT`] or the size of the file. Of a truncated file this finds
+//! every whole chunk. An open chunk, as other writers leave it, carries the length `u64::MAX`: there the file ends.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -15,9 +15,9 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 
 /// Bytes read at once.
 const BLOCK: usize = 64 << 10;
-/// Largest record taken from a chunk, if the file is not larger: a chunk can be larger than its file.
+/// Largest record, if the file is not larger [bytes]: a chunk can hold more than its file is long.
 const LIMIT: u64 = 16 << 20;
-/// Largest record of any file: nothing in it may take more memory.
+/// Largest record of any file [bytes].
 const MOST: u64 = 1 << 30;
 
 /// What is in a file.
@@ -142,23 +142,24 @@ impl Contents {
         if opcode != op::CHUNK {
             return self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)));
         }
+        if !is_framed(data) {
+            return Err(Ending::Damaged(bad_record(opcode)));
+        }
         // A chunk whose checksum is wrong gives no record at all.
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
             .with_skip_end_magic(true)
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(limit);
-        if !is_framed(data) {
-            return Err(Ending::Damaged(bad_record(opcode)));
-        }
         let mut reader = LinearReader::new_with_options(options);
-        let mut record = [&[opcode][..], &(data.len() as u64).to_le_bytes(), data].concat();
-        let mut rest = record.drain(..);
+        let record = [&[opcode][..], &(data.len() as u64).to_le_bytes(), data].concat();
+        let mut rest = record.as_slice();
         while let Some(event) = reader.next_event() {
             match event.map_err(|error| Ending::Damaged(error.to_string()))? {
                 LinearReadEvent::ReadRequest(wanted) => {
-                    let part: Vec<u8> = rest.by_ref().take(wanted.min(BLOCK)).collect();
-                    reader.insert(part.len()).copy_from_slice(&part);
+                    let part;
+                    (part, rest) = rest.split_at(wanted.min(rest.len()));
+                    reader.insert(part.len()).copy_from_slice(part);
                     reader.notify_read(part.len());
                 }
                 LinearReadEvent::Record { opcode, data } => {

@@ -2,12 +2,12 @@
 //!
 //! An entity replaces the one before it with the same id. Everything is drawn in the world, in a scale of the motion:
 //! the arrow is 1 cm per N, at most half the size of the motion; the ellipsoid's radius along an axis is its
-//! stiffness, a tenth of the size of the motion for the largest that the task allows.
+//! stiffness, a quarter of the size of the motion for the largest that the task allows.
 
 use foxglove::messages::line_primitive::Type::LineStrip;
 use foxglove::messages::{
-    ArrowPrimitive, Color, Duration, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, SpherePrimitive,
-    Timestamp,
+    ArrowPrimitive, Color, Duration, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate,
+    SpherePrimitive, Timestamp,
 };
 use hpf_sim::Trace;
 use hpf_sim::task::Task;
@@ -21,8 +21,10 @@ const ARROW_SCALE: f64 = 0.01;
 /// Longest arrow, as a share of the size of the motion.
 const LONGEST_ARROW: f64 = 0.5;
 /// Radius of the ellipsoid at the largest stiffness, as a share of the size of the motion.
-const ELLIPSOID_RADIUS: f64 = 0.1;
-/// Diameter of what is only there to be seen, as a share of the size of the motion.
+const ELLIPSOID_RADIUS: f64 = 0.25;
+/// Smallest diameter of the ellipsoid, as a share of the size of the motion.
+const THIN: f64 = 0.005;
+/// Diameter of targets and of the arrow's head, as a share of the size of the motion.
 const MARK: f64 = 0.015;
 
 // Okabe and Ito's colours, which colour-blind people can tell apart.
@@ -97,7 +99,7 @@ impl<'a> Scene<'a> {
         let diameters = self.space.axis_along().map(|axis| {
             let share = axis.map_or(0.0, |a| self.trace.axes[a].stiffness[i] / self.stiffest);
             // A direction without an axis has no stiffness: the ellipsoid is as thin there as can be seen.
-            (2.0 * ELLIPSOID_RADIUS * share).max(MARK) * self.size
+            (2.0 * ELLIPSOID_RADIUS * share).max(THIN) * self.size
         });
         let stiffness =
             SceneEntity { spheres: vec![ellipsoid(position, diameters, STIFFNESS)], ..entity("stiffness", timestamp) };

@@ -21,7 +21,7 @@ use super::Surface;
 
 /// A clamped beam that the tool travels along, pressing it down.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Cantilever {
     /// Axis along which the tool presses, positive into the beam.
     pub axis: String,

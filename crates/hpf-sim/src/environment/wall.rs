@@ -7,7 +7,7 @@ use super::Surface;
 
 /// A spring behind a gap.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Wall {
     /// Axis along which the tool meets it.
     pub axis: String,

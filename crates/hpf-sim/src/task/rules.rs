@@ -7,6 +7,7 @@ use super::{Diagnostic, Gain, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxi
 
 /// Appends every contradiction in `task` to `found`.
 pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagnostic>) {
+    let is_clean = found.is_empty();
     let mut rules = Rules { task, document, found };
     let named = rules.names();
     rules.steps();
@@ -18,7 +19,10 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
         rules.environment();
     }
     rules.via_points();
-    rules.cost_and_targets();
+    // What a file lacks is told only where all it has is right: a misspelt table would be told twice.
+    if is_clean {
+        rules.cost_and_targets();
+    }
     rules.learning();
 }
 
@@ -65,6 +69,10 @@ impl Rules<'_, '_, '_> {
 
     fn steps(&mut self) {
         let steps = self.task.duration * self.task.rate;
+        // Out of range by itself: told already.
+        if !(self.task.duration > 0.0 && self.task.rate > 0.0 && steps.is_finite()) {
+            return;
+        }
         let product = format!("{} s at {} Hz make", self.task.duration, self.task.rate);
         if steps > MAX_STEPS as f64 {
             let help = format!("duration times rate is the number of steps, at most {MAX_STEPS}");
@@ -192,7 +200,7 @@ impl Rules<'_, '_, '_> {
 
     fn via_points(&mut self) {
         for (i, via) in self.task.via_point.iter().enumerate() {
-            if via.time > self.task.duration {
+            if self.task.duration > 0.0 && via.time > self.task.duration {
                 let message = format!("the via point at {} s lies outside the movement", via.time);
                 self.say(
                     &format!("via_point.{i}.time"),
@@ -259,7 +267,7 @@ impl Rules<'_, '_, '_> {
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }
         for (i, &update) in self.task.output.snapshots.iter().enumerate() {
-            if update > learning.updates {
+            if learning.updates > 0 && update > learning.updates {
                 let help = format!("snapshots lie between 0 and learning.updates = {}", learning.updates);
                 self.say(&format!("output.snapshots.{i}"), format!("there is no update {update} to keep"), help);
             }

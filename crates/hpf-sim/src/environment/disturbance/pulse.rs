@@ -7,7 +7,7 @@ use super::{Side, has_jumped};
 
 /// A force that jumps and jumps back.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Pulse {
     /// Axis it acts on.
     pub axis: String,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A force that swings.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Sine {
     /// Axis it acts on.
     pub axis: String,

@@ -7,7 +7,7 @@ use super::{Side, has_jumped};
 
 /// A force that jumps and stays.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Step {
     /// Axis it acts on.
     pub axis: String,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A force from a CSV file, linear between its rows and held at its ends.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct Table {
     /// Axis it acts on.
     pub axis: String,
