@@ -41,7 +41,7 @@ fn each_mistake_is_answered_with_its_place_and_what_is_allowed() {
         ("axis = \"x\"", "axis = \"z\"", "no axis `z`"),
         ("method = \"pi2\"", "method = \"pi3\"", "did you mean `pi2`?"),
         ("[0, 100, 200, 600]", "[0, 100, 200, 601]", "601"),
-        ("goal = 1.0 ", "goal = [1.0 ", "a number"),
+        ("goal = 1.0 ", "goal = [1.0 ", "missing comma"),
     ];
     for (from, to, words) in mistakes {
         let file = changed(folder.path(), from, to);
@@ -79,16 +79,17 @@ fn a_negative_width_of_the_beam_is_refused() {
 fn all_mistakes_are_shown_at_once() {
     let folder = folder();
     let text = read(task("via_point.toml"))
-        .replace("rate = 100.0", "rat = 100.0")
+        .replace("decay = ", "decoy = ")
         .replace("period = 5.0", "period = 0")
-        .replace("seed = 1", "seed = -1")
+        .replace("updates = 600", "updates = 0")
         .replace("time = 2.5", "time = 25");
     std::fs::write(folder.path().join("bad.toml"), text).unwrap();
     let (_, stderr) = expect(2, folder.path(), &["check", "bad.toml"]);
     for words in [
-        "unknown key `rat`, did you mean `rate`?",
+        "unknown key `decoy`, did you mean `decay`?",
         "`period` is out of range",
-        "`seed` is out of range",
+        "`updates` is out of range",
+        "`time` must lie after 0 s",
         "5 mistakes in bad.toml",
     ] {
         assert!(stderr.contains(words), "{words} is missing from\n{stderr}");

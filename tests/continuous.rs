@@ -22,14 +22,16 @@ fn distances(name: &str, load: &Load) -> Vec<f64> {
 
 #[test]
 fn the_cantilever_tables_hold_the_solution_of_the_equations() {
-    for (name, stiffness) in [("cantilever.toml", tip_load as fn(f64) -> f64), ("cantilever_moving_load.toml", moving_load)] {
-        // Asked for: 0.01 mm.
+    for (name, stiffness) in
+        [("cantilever.toml", tip_load as fn(f64) -> f64), ("cantilever_moving_load.toml", moving_load)]
+    {
+        // The error of a step of 10 ms, measured 2.3e-7 and 2.9e-7 m.
         assert!(distances(name, &beam(stiffness)).iter().all(|distance| *distance < 1e-6));
     }
 }
 
 #[test]
 fn the_via_point_table_holds_the_solution_of_the_equations() {
-    // Asked for: 0.05 mm.
-    assert!(distances("via_point.toml", &swing()).iter().all(|distance| *distance < 1e-5));
+    // The error of a step of 10 ms: 0.016 mm of a metre at the largest stiffness that is learned.
+    assert!(distances("via_point.toml", &swing()).iter().all(|distance| *distance < 2.5e-5));
 }

@@ -1,8 +1,9 @@
 //! `hpf learn`
 
+use core::time::Duration;
 use std::fs;
 use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::support::{Columns, command, expect, folder, json, read, task};
 

@@ -1,6 +1,6 @@
 //! How a command ends, and what it says when it fails.
 
-use std::fmt;
+use core::fmt;
 use std::process::ExitCode;
 
 /// A command that did its work.

@@ -1,14 +1,14 @@
 //! Reading tasks and policies, writing results: every message names the file.
 
-use std::fmt::Display;
+use core::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use hpf_sim::Policy;
 use hpf_sim::environment::Disturbance;
 use hpf_sim::environment::disturbance::Samples;
 use hpf_sim::task::{MAX_TASK_BYTES, Task};
-use hpf_sim::Policy;
 use sha2::{Digest as _, Sha256};
 
 use crate::failure::Failure;
@@ -138,3 +138,15 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
     write().map_err(while_writing(path))
 }
 
+/// Prints a result on stdout. A reader that has seen enough, such as `head`, is no error.
+///
+/// # Errors
+/// [`Failure::Work`] where stdout cannot be written otherwise.
+pub fn say(text: &str) -> Result<(), Failure> {
+    match io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Work(format!("cannot write the result: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

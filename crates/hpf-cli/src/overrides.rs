@@ -61,7 +61,10 @@ fn assign(table: &mut dyn TableLike, parts: &[&str], value: Value) -> Result<(),
         Item::Value(Value::Array(array)) => {
             let index = position(array.len())?;
             match array.get_mut(index) {
-                Some(old) if rest.len() == 1 => Ok(replace(old, value)),
+                Some(old) if rest.len() == 1 => {
+                    replace(old, value);
+                    Ok(())
+                }
                 Some(Value::InlineTable(table)) => assign(table, &rest[1..], value),
                 _ => Err(format!("`{key}.{index}` is not a table")),
             }

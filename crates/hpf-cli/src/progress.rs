@@ -1,7 +1,8 @@
 //! How far learning has come, on stderr.
 
+use core::time::Duration;
 use std::io::{IsTerminal as _, stderr};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use hpf_learn::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};

@@ -1,6 +1,6 @@
 //! Results in the terminal: a few readable lines.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
@@ -51,7 +51,9 @@ pub fn costs(summary: &Summary) -> String {
 pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
     let mut text = format!("{:<20} {:>14}   {}\n", "measure", "value", "target");
     let is_paper_curve = matches!(&task.contact, Some(Contact::Cantilever(beam)) if beam.curve == Curve::TipLoad);
-    for metric in metrics.iter().filter(|metric| !metric.name.starts_with("stiffness") && !metric.name.starts_with("damping")) {
+    for metric in
+        metrics.iter().filter(|metric| !metric.name.starts_with("stiffness") && !metric.name.starts_with("damping"))
+    {
         let _ = write!(text, "  {:<18} {:>14}", metric.name, measure(metric.value, metric.unit));
         if let (Some(target), Some(pass)) = (metric.target, metric.pass()) {
             let verdict = if pass { "pass" } else { "MISSED" };
@@ -120,7 +122,7 @@ pub fn json(summary: &Summary, folder: Option<&str>, files: &[String]) -> String
     let mut object = summary.to_json();
     object["directory"] = folder.into();
     object["files"] = files.into();
-    format!("{object:#}")
+    format!("{object:#}\n")
 }
 
 /// What a task comes to.
@@ -144,7 +146,11 @@ pub fn task(task: &Task, parameters: usize, initial_cost: f64) -> String {
     let learning = &task.learning;
     let motions = 1 + learning.updates * (learning.rollouts + 1);
     let planned = learning.max_rollouts.map_or(motions, |max| max.min(motions));
-    let _ = writeln!(text, "  learning    {parameters} parameters, {} updates of {} rollouts, at most {planned} motions", learning.updates, learning.rollouts);
+    let _ = writeln!(
+        text,
+        "  learning    {parameters} parameters, {} updates of {} rollouts, at most {planned} motions",
+        learning.updates, learning.rollouts
+    );
     let _ = writeln!(text, "  cost        {} before learning", number(initial_cost));
     text
 }
@@ -157,13 +163,27 @@ pub fn policy(policy: &Policy) -> String {
         let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
         for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
             let range = gain.weights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, w| (r.0.min(*w), r.1.max(*w)));
-            let _ = writeln!(text, "    {name:<9} {} .. {}, bounds {} .. {}", number(range.0), number(range.1), number(gain.min), number(gain.max));
+            let _ = writeln!(
+                text,
+                "    {name:<9} {} .. {}, bounds {} .. {}",
+                number(range.0),
+                number(range.1),
+                number(gain.min),
+                number(gain.max)
+            );
         }
         let counts = [axis.movement.weights.len(), axis.stiffness.weights.len(), axis.damping.weights.len()];
         let _ = writeln!(text, "    basis     {} movement, {} stiffness, {} damping", counts[0], counts[1], counts[2]);
     }
     let from = &policy.provenance;
-    let _ = writeln!(text, "  learned     hpf {}, seed {}, {} updates, cost {}", from.hpf, from.seed, from.updates, number(from.cost));
+    let _ = writeln!(
+        text,
+        "  learned     hpf {}, seed {}, {} updates, cost {}",
+        from.hpf,
+        from.seed,
+        from.updates,
+        number(from.cost)
+    );
     text
 }
 

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::cli::{Check, Common};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_policy, read_task};
+use crate::files::{in_file, read_policy, read_task, say};
 use crate::render;
 
 /// Runs `hpf check`.
@@ -17,9 +17,10 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
         }
         let policy = read_policy(path)?;
         if common.json {
-            println!("{:#}", json!({ "format": "hpf-check", "version": 1, "kind": "policy", "valid": true }));
+            let object = json!({ "format": "hpf-check", "version": 1, "kind": "policy", "valid": true });
+            say(&format!("{object:#}\n"))?;
         } else {
-            print!("{}", render::policy(&policy));
+            say(&render::policy(&policy))?;
         }
         return Ok(Outcome::Done);
     }
@@ -38,9 +39,9 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
             "format": "hpf-check", "version": 1, "kind": "task", "valid": true,
             "steps": simulation.step_count(), "parameters": policy.weights().len(), "initial_cost": cost,
         });
-        println!("{object:#}");
+        say(&format!("{object:#}\n"))?;
     } else {
-        print!("{}", render::task(&loaded.task, policy.weights().len(), cost));
+        say(&render::task(&loaded.task, policy.weights().len(), cost))?;
     }
     Ok(Outcome::Done)
 }

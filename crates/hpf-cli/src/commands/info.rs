@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::cli::{Check, Common, Info};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_text};
+use crate::files::{in_file, read_text, say};
 use crate::{log, render};
 
 /// Runs `hpf info`.
@@ -18,11 +18,7 @@ pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
     }
     if has_extension("mcap") || path.to_string_lossy().ends_with(".mcap.partial") {
         let contents = log::summarize(path).map_err(in_file(path))?;
-        if common.json {
-            println!("{:#}", contents.to_json());
-        } else {
-            print!("{contents}");
-        }
+        say(&if common.json { format!("{:#}\n", contents.to_json()) } else { contents.to_string() })?;
         return Ok(Outcome::Done);
     }
     super::check::check(&Check { file: path.clone(), set: Vec::new() }, common)
@@ -34,10 +30,6 @@ fn run_directory(path: &Path, common: &Common) -> Result<Outcome, Failure> {
     if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
         return Err(in_file(&file)("this is not a summary of version 1"));
     }
-    if common.json {
-        println!("{summary:#}");
-    } else {
-        print!("{}", render::summary(&summary));
-    }
+    say(&if common.json { format!("{summary:#}\n") } else { render::summary(&summary) })?;
     Ok(Outcome::Done)
 }

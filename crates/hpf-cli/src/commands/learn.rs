@@ -1,8 +1,9 @@
 //! `hpf learn`: a task in, a run directory out.
 
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use hpf_learn::{History, LearnError, Progress, Stop};
 use hpf_sim::task::Task;
@@ -11,7 +12,7 @@ use hpf_sim::{Policy, Simulation};
 use crate::cli::{Common, Learn};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, read_task, sha256, while_writing};
+use crate::files::{LoadedTask, read_task, say, sha256, while_writing};
 use crate::log::{Head, Log};
 use crate::progress::Meter;
 use crate::results::{LearningRow, Run};
@@ -50,10 +51,10 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
 
     let place = target.display().to_string();
     if common.json {
-        println!("{}", render::json(&summary, Some(&place), &files));
+        say(&render::json(&summary, Some(&place), &files))?;
     } else {
         let next = format!("hpf run {place} --rate 1000");
-        print!("{}", render::learned(&loaded.task, &summary, &place, &files, &next));
+        say(&render::learned(&loaded.task, &summary, &place, &files, &next))?;
     }
     match learned.failure {
         Some(reason) => Err(Failure::Work(format!("{reason}; the best policy before that is in {place}"))),
@@ -77,7 +78,7 @@ impl Learned {
     /// Learns the task, logging each update to the folder as it comes.
     fn from(loaded: &LoadedTask, folder: &Unfinished, quiet: bool) -> Result<Self, Failure> {
         let task = &loaded.task;
-        let bad_task = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", task.name));
+        let bad_task = |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", task.name));
         let start = Policy::initial(task).map_err(|error| bad_task(&error))?;
         let simulation = Simulation::new(task, &start).map_err(|error| bad_task(&error))?;
         let weights = simulation.starting_weights(&start).map_err(|error| bad_task(&error))?;

@@ -1,7 +1,10 @@
 //! `hpf plot`: the pictures of a run, from its tables.
 
+use serde_json::json;
+
 use crate::cli::{Common, Plot};
 use crate::failure::{Failure, Outcome};
+use crate::files::say;
 use crate::results::Run;
 use crate::{figure, render};
 
@@ -20,9 +23,10 @@ pub fn plot(options: &Plot, common: &Common) -> Result<Outcome, Failure> {
     }
     let files = figure::draw(&run, &folder)?;
     if common.json {
-        println!("{:#}", serde_json::json!({ "format": "hpf-plots", "version": 1, "directory": folder, "files": files }));
+        let object = json!({ "format": "hpf-plots", "version": 1, "directory": folder, "files": files });
+        say(&format!("{object:#}\n"))?;
     } else {
-        print!("written to {}:\n{}", folder.display(), render::wrapped(&files));
+        say(&format!("written to {}:\n{}", folder.display(), render::wrapped(&files)))?;
     }
     Ok(Outcome::Done)
 }

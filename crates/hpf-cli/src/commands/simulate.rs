@@ -8,7 +8,7 @@ use hpf_sim::{Policy, Simulation};
 use crate::cli::{Common, Simulate};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, in_file, read_policy, read_task, sha256, while_writing};
+use crate::files::{LoadedTask, in_file, read_policy, read_task, say, sha256, while_writing};
 use crate::log::{self, Head};
 use crate::results::{LearningRow, Run};
 use crate::summary::Summary;
@@ -72,9 +72,9 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
 
     let place = common.out.as_ref().map(|out| out.display().to_string());
     if common.json {
-        println!("{}", render::json(&summary, place.as_deref(), &files));
+        say(&render::json(&summary, place.as_deref(), &files))?;
     } else {
-        print!("{}", render::simulated(&run.task, &summary, place.as_deref(), &files));
+        say(&render::simulated(&run.task, &summary, place.as_deref(), &files))?;
     }
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }

@@ -12,6 +12,9 @@ use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
 use super::Diagnostic;
 
+/// A bracket left open is missed at every word after it: more errors of syntax than this say nothing new.
+const MOST_SYNTAX_ERRORS: usize = 3;
+
 /// A parsed task file: values with their places.
 pub(super) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
@@ -35,7 +38,7 @@ pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> Diagnostic {
 }
 
 impl<'a> Document<'a> {
-    /// Parses TOML; every error of syntax is reported.
+    /// Parses TOML; the first errors of syntax are reported.
     pub(super) fn parse(text: &'a str) -> Result<Self, Vec<Diagnostic>> {
         let (root, errors) = DeTable::parse_recoverable(text);
         if errors.is_empty() {
@@ -43,6 +46,7 @@ impl<'a> Document<'a> {
         }
         let mut found: Vec<Diagnostic> = errors.iter().map(|error| from_toml(text, error)).collect();
         found.sort_by_key(|diagnostic| diagnostic.span.start);
+        found.truncate(MOST_SYNTAX_ERRORS);
         Err(found)
     }
 

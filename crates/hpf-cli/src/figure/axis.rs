@@ -1,0 +1,262 @@
+//! Axes: ranges, round ticks and their labels.
+
+use super::number::{number, power_of_ten};
+
+/// Smallest range of an axis, as a fraction of its values: below it rounding is all there is to see.
+const RESOLUTION: f64 = 1e-9;
+/// Room beside the data, as a fraction of their range.
+const PADDING: f64 = 0.06;
+
+/// Smallest and largest of the finite values.
+pub fn span(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    values.into_iter().filter(|value| value.is_finite()).fold(None, |span, value| {
+        let (low, high) = span.unwrap_or((value, value));
+        Some((value.min(low), value.max(high)))
+    })
+}
+
+/// A range that shows `values` with some room on both sides, also where all are equal or there are none.
+pub fn padded(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = span(values).unwrap_or((0.0, 1.0));
+    let most = low.abs().max(high.abs());
+    if high - low > RESOLUTION * most {
+        let room = PADDING * (high - low);
+        (low - room, high + room)
+    } else {
+        let room = if most > 0.0 { 0.1 * most } else { 1.0 };
+        (low - room, high + room)
+    }
+}
+
+/// How values lie along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// In proportion.
+    Linear,
+    /// In proportion, the smallest at the far end: downwards, where the axis goes upwards.
+    Reversed,
+    /// In proportion, with ticks at whole numbers only.
+    Counted,
+    /// By their logarithm.
+    Logarithmic,
+}
+
+/// An axis: what is on it, and from where to where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What is shown.
+    pub quantity: String,
+    /// Its unit; empty for a number without one.
+    pub unit: String,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// How values lie between.
+    pub scale: Scale,
+}
+
+/// A tick: where, and its label; the unlabelled ones have an empty label.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// The value.
+    pub value: f64,
+    /// What is written beside it.
+    pub label: String,
+}
+
+impl Axis {
+    /// An axis in proportion.
+    pub fn linear(quantity: impl Into<String>, unit: impl Into<String>, (low, high): (f64, f64)) -> Self {
+        Self { quantity: quantity.into(), unit: unit.into(), low, high, scale: Scale::Linear }
+    }
+
+    /// The same axis with another scale.
+    pub fn with_scale(mut self, scale: Scale) -> Self {
+        self.scale = scale;
+        self
+    }
+
+    /// Where `value` lies along the axis: 0 at its near end, 1 at its far one.
+    pub fn share(&self, value: f64) -> f64 {
+        let linear = |low: f64, value: f64, high: f64| (value - low) / (high - low);
+        match self.scale {
+            Scale::Linear | Scale::Counted => linear(self.low, value, self.high),
+            Scale::Reversed => 1.0 - linear(self.low, value, self.high),
+            // Nought and less lie endlessly far below: a line to them leaves the box downwards.
+            Scale::Logarithmic if value <= 0.0 => -100.0,
+            Scale::Logarithmic => linear(self.low.log10(), value.log10(), self.high.log10()),
+        }
+    }
+
+    /// Power of ten that tick labels leave out, so that they stay short.
+    fn exponent(&self) -> i32 {
+        let most = self.low.abs().max(self.high.abs());
+        if self.scale == Scale::Logarithmic || most == 0.0 || (1e-3..1e5).contains(&most) {
+            return 0;
+        }
+        3 * (most.log10() / 3.0).floor() as i32
+    }
+
+    /// What is written along the axis: quantity and unit, with the power of ten that the labels leave out.
+    pub fn title(&self) -> String {
+        let factor = match self.exponent() {
+            0 => String::new(),
+            exponent => power_of_ten(exponent),
+        };
+        let unit =
+            [factor, self.unit.clone()].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ");
+        if unit.is_empty() { self.quantity.clone() } else { format!("{} [{unit}]", self.quantity) }
+    }
+
+    /// Ticks at round values, which cut the axis into at most `count` pieces.
+    pub fn ticks(&self, count: f64) -> Vec<Tick> {
+        match self.scale {
+            Scale::Logarithmic => logarithmic_ticks(self.low, self.high, count),
+            Scale::Linear | Scale::Reversed | Scale::Counted => {
+                let factor = 10.0_f64.powi(self.exponent());
+                let (low, high) = (self.low / factor, self.high / factor);
+                let step = round_step(high - low, count);
+                let step = if self.scale == Scale::Counted { whole(step * factor) / factor } else { step };
+                let decimals = decimals(step);
+                let values = multiples(low, high, step);
+                values.map(|value| Tick { value: value * factor, label: number(value, decimals) }).collect()
+            }
+        }
+    }
+}
+
+/// The round step (1, 2, 2.5 or 5 times a power of ten) that cuts `range` into at most `count` pieces.
+fn round_step(range: f64, count: f64) -> f64 {
+    let least = range / count.max(1.0);
+    let power = 10.0_f64.powf(least.log10().floor());
+    // The last one answers for rounding in the line above.
+    let factors = [1.0, 2.0, 2.5, 5.0, 10.0];
+    let factor = factors.into_iter().find(|factor| factor * power >= least * (1.0 - 1e-9)).unwrap_or(10.0);
+    factor * power
+}
+
+/// The next whole step: 2.5 becomes 5.
+fn whole(step: f64) -> f64 {
+    if step < 1.0 {
+        1.0
+    } else if step.fract() > 0.0 {
+        2.0 * step
+    } else {
+        step
+    }
+}
+
+/// Multiples of `step` from `low` to `high`.
+fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
+    // An end that is a multiple but for rounding still gets its tick.
+    let first = (low / step - 1e-6).ceil() as i64;
+    let last = (high / step + 1e-6).floor() as i64;
+    (first..=last).map(move |i| i as f64 * step)
+}
+
+/// Decimals that tell multiples of `step` apart.
+fn decimals(step: f64) -> usize {
+    (0..12)
+        .find(|decimals| {
+            let scaled = step * 10.0_f64.powi(*decimals);
+            (scaled - scaled.round()).abs() < 1e-6 * scaled
+        })
+        .unwrap_or(12) as usize
+}
+
+fn logarithmic_ticks(low: f64, high: f64, count: f64) -> Vec<Tick> {
+    let exponents = (low.log10() - 1e-6).ceil() as i32..=(high.log10() + 1e-6).floor() as i32;
+    let decades = exponents.clone().count();
+    if decades < 2 {
+        // Too little for powers of ten: round values between.
+        let step = round_step(high - low, count.min(5.0));
+        let labelled = |value| Tick { value, label: number(value, decimals(step)) };
+        return multiples(low, high, step).filter(|value| *value > 0.0).map(labelled).collect();
+    }
+    let every = (decades as f64 / count.max(2.0)).ceil() as i32;
+    let plain = *exponents.start() >= -3 && *exponents.end() <= 4;
+    let label = |exponent: i32| match exponent {
+        _ if exponent.rem_euclid(every) != 0 => String::new(),
+        _ if plain => number(10.0_f64.powi(exponent), usize::try_from(-exponent).unwrap_or(0)),
+        _ => power_of_ten(exponent),
+    };
+    let mut ticks: Vec<Tick> =
+        exponents.clone().map(|exponent| Tick { value: 10.0_f64.powi(exponent), label: label(exponent) }).collect();
+    if decades <= 6 {
+        for exponent in exponents.start() - 1..=*exponents.end() {
+            let between = (2..10).map(|digit| f64::from(digit) * 10.0_f64.powi(exponent));
+            let inside = between.filter(|value| (low..=high).contains(value));
+            ticks.extend(inside.map(|value| Tick { value, label: String::new() }));
+        }
+    }
+    ticks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis, count: f64) -> Vec<String> {
+        axis.ticks(count).into_iter().map(|tick| tick.label).filter(|label| !label.is_empty()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_reach_both_ends() {
+        assert_eq!(labels(&Axis::linear("", "", (0.0, 5.0)), 5.0), ["0", "1", "2", "3", "4", "5"]);
+        assert_eq!(labels(&Axis::linear("", "", (-0.15, 0.3)), 5.0), ["−0.1", "0.0", "0.1", "0.2", "0.3"]);
+        assert_eq!(labels(&Axis::linear("", "", (0.0, 10.0)), 4.0), ["0.0", "2.5", "5.0", "7.5", "10.0"]);
+        assert_eq!(
+            labels(&Axis::linear("", "", (999.999, 1000.002)), 3.0),
+            ["999.999", "1000.000", "1000.001", "1000.002"]
+        );
+    }
+
+    #[test]
+    fn what_is_counted_has_whole_ticks() {
+        let axis = |high| Axis::linear("update", "", (0.0, high)).with_scale(Scale::Counted);
+        assert_eq!(labels(&axis(1.0), 9.0), ["0", "1"]);
+        assert_eq!(labels(&axis(20.0), 9.0), ["0", "5", "10", "15", "20"]);
+    }
+
+    #[test]
+    fn very_large_and_small_values_share_a_power_of_ten() {
+        let axis = Axis::linear("stiffness", "N/m", (0.0, 1e6));
+        assert_eq!(axis.title(), "stiffness [10⁶ N/m]");
+        assert_eq!(labels(&axis, 4.0), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        assert_eq!(Axis::linear("force", "N", (-2e-5, 2e-5)).title(), "force [10⁻⁶ N]");
+        assert_eq!(Axis::linear("update", "", (0.0, 600.0)).title(), "update");
+    }
+
+    #[test]
+    fn any_values_make_a_range_with_ticks() {
+        let cases: [&[f64]; 9] = [
+            &[],
+            &[0.0],
+            &[3.0, 3.0],
+            &[-1e-12],
+            &[f64::NAN, 2.0, f64::INFINITY],
+            &[1000.0, 1000.0 + 1e-12],
+            &[-1e300, 1e300],
+            &[1e-300, 2e-300],
+            &[99.9999, 100.0001],
+        ];
+        for values in cases {
+            let (low, high) = padded(values.iter().copied());
+            assert!(low.is_finite() && high.is_finite() && low < high, "{values:?}");
+            let ticks = Axis::linear("", "", (low, high)).ticks(6.0);
+            assert!((2..=8).contains(&ticks.len()), "{values:?}: {ticks:?}");
+            assert!(ticks.windows(2).all(|pair| pair[0].label != pair[1].label), "{values:?}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn powers_of_ten_are_labelled_and_thinned_out() {
+        let axis = |low, high| Axis::linear("", "", (low, high)).with_scale(Scale::Logarithmic);
+        assert_eq!(labels(&axis(0.01, 100.0), 8.0), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(labels(&axis(1e-6, 1e2), 5.0), ["10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"]);
+        assert_eq!(labels(&axis(2.0, 7.0), 8.0), ["2", "3", "4", "5", "6", "7"]);
+        assert_eq!(axis(0.01, 100.0).share(1.0), 0.5);
+        assert!(axis(0.01, 100.0).share(0.0) < -1.0, "nought leaves the box");
+    }
+}

@@ -1,0 +1,179 @@
+//! Drawing a figure: title, legend, panels with their frames, and what is in them.
+
+use std::path::Path;
+
+use super::axis::Tick;
+use super::chart::{Figure, Layer, Mark, Panel, Point, Shape};
+use super::layout::{CAPITAL, FOOT, LABEL, Layout, MARGIN, SMALL, TICK_GAP, TICK_LENGTH, TITLE};
+use super::palette::{BLACK, FRAME, GRID, Pen, QUIET, WHITE};
+use super::surface::{Anchor, Area, Surface};
+use super::{legend, text};
+
+/// Draws `figure` of the task `name` into the file `path`.
+///
+/// # Errors
+/// What the system or the encoder says.
+pub fn draw(mut figure: Figure, name: &str, path: &Path) -> Result<(), String> {
+    let layout = Layout::new(&mut figure);
+    let mut surface = Surface::new(path, layout.size);
+    let right = layout.size.0 as f64 - MARGIN;
+    let left = layout.boxes[0].left;
+
+    let title = text::fit(&figure.title, TITLE, right - left);
+    let baseline = MARGIN + CAPITAL * TITLE;
+    surface.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
+    let room = right - left - text::width(&title, TITLE) - 60.0;
+    if room > 100.0 {
+        surface.text(&text::fit(name, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
+    }
+    for (layer, place) in figure.legend().into_iter().zip(&layout.legend) {
+        legend::entry(&mut surface, layer, *place);
+    }
+    for ((panel, area), ticks) in figure.panels.iter().zip(&layout.boxes).zip(&layout.y_ticks) {
+        draw_panel(&mut surface, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
+    }
+    let (panel, area) = (&figure.panels[0], layout.boxes.last().expect("a figure has a panel"));
+    for tick in &layout.x_ticks {
+        let x = horizontal(panel, *area, tick.value).round();
+        let place = (x, area.bottom() + TICK_LENGTH + TICK_GAP + CAPITAL * SMALL);
+        surface.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
+    }
+    let place = (area.left + 0.5 * area.width, area.bottom() + FOOT - MARGIN + 4.0);
+    surface.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
+    surface.save()
+}
+
+fn horizontal(panel: &Panel, area: Area, value: f64) -> f64 {
+    area.left + (panel.x.share(value) * area.width).clamp(-1e5, 1e5)
+}
+
+fn vertical(panel: &Panel, area: Area, value: f64) -> f64 {
+    area.bottom() - (panel.y.share(value) * area.height).clamp(-1e5, 1e5)
+}
+
+fn draw_panel(surface: &mut Surface<'_>, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
+    let map = |point: &Point| (horizontal(panel, area, point.0), vertical(panel, area, point.1));
+    let all = surface.all();
+    let layers = |surface: &mut Surface<'_>, wanted: fn(&Shape) -> bool| {
+        for layer in panel.layers.iter().filter(|layer| wanted(&layer.shape)) {
+            draw_layer(surface, layer, area, &map);
+        }
+    };
+    layers(surface, |shape| matches!(shape, Shape::Block(..)));
+    let grid = Pen::thin(GRID);
+    for tick in x_ticks {
+        let x = horizontal(panel, area, tick.value).round();
+        surface.stroke(&[(x, area.top), (x, area.bottom())], grid, area);
+        surface.stroke(&[(x, area.bottom()), (x, area.bottom() + TICK_LENGTH)], Pen::thin(FRAME), all);
+    }
+    for tick in y_ticks {
+        let y = vertical(panel, area, tick.value).round();
+        let length = if tick.label.is_empty() { 0.5 * TICK_LENGTH } else { TICK_LENGTH };
+        surface.stroke(&[(area.left - length, y), (area.left, y)], Pen::thin(FRAME), all);
+        if !tick.label.is_empty() {
+            surface.stroke(&[(area.left, y), (area.right(), y)], grid, area);
+            let place = (area.left - TICK_LENGTH - TICK_GAP, y + 0.5 * CAPITAL * SMALL);
+            surface.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
+        }
+    }
+    layers(surface, |shape| matches!(shape, Shape::Line(_)));
+    let (right, bottom) = (area.right(), area.bottom());
+    let frame = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom), (area.left, area.top)];
+    surface.stroke(&frame, Pen::thin(FRAME), all);
+    // A goal at the end of the time stands on the frame.
+    layers(surface, |shape| matches!(shape, Shape::Marks(..)));
+
+    let title = panel.y.title();
+    let mut heading = panel.heading.clone();
+    if single {
+        let place = (MARGIN + CAPITAL * LABEL, area.top + 0.5 * area.height);
+        surface.text(&text::fit(&title, LABEL, area.height), place, LABEL, BLACK, Anchor::Middle, true);
+    } else {
+        heading = [heading, title].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ");
+    }
+    let baseline = area.top - 17.0;
+    let note = text::fit(&panel.note, SMALL, area.width);
+    let heading = text::fit(&heading, SMALL, (area.width - text::width(&note, SMALL) - 30.0).max(0.0));
+    if heading != "…" {
+        surface.text(&heading, (area.left, baseline), SMALL, BLACK, Anchor::Start, false);
+    }
+    surface.text(&note, (right, baseline), SMALL, QUIET, Anchor::End, false);
+}
+
+fn draw_layer(surface: &mut Surface<'_>, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
+    match &layer.shape {
+        Shape::Line(points) => surface.stroke(&thinned(points.iter().map(map)), layer.pen, area),
+        Shape::Marks(mark, points) => {
+            for point in points {
+                draw_mark(surface, *mark, map(point), layer.pen);
+            }
+        }
+        Shape::Block(from, to) => {
+            let (from, to) = (map(from), map(to));
+            let x = |value: f64| value.clamp(area.left, area.right());
+            let y = |value: f64| value.clamp(area.top, area.bottom());
+            let (left, top) = (x(from.0.min(to.0)), y(from.1.min(to.1)));
+            let (width, height) = (x(from.0.max(to.0)) - left, y(from.1.max(to.1)) - top);
+            surface.fill(Area { left, top, width, height }, layer.pen.colour);
+        }
+    }
+}
+
+/// Draws a mark around `place` [px].
+pub fn draw_mark(surface: &mut Surface<'_>, mark: Mark, place: Point, pen: Pen) {
+    let all = surface.all();
+    let dot = |surface: &mut Surface<'_>, width: f64, colour| {
+        surface.stroke(&[place], Pen { colour, width, dash: None }, all);
+    };
+    match mark {
+        Mark::Dot => {
+            dot(surface, 26.0, WHITE);
+            dot(surface, 20.0, pen.colour);
+        }
+        Mark::Ring => {
+            dot(surface, 24.0, pen.colour);
+            dot(surface, 14.0, WHITE);
+        }
+    }
+}
+
+/// The same line in at most four points per column of pixels: first, last, lowest and highest.
+fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
+    let mut kept: Vec<Point> = Vec::new();
+    let mut column: Vec<Point> = Vec::new();
+    let mut flush = |column: &mut Vec<Point>| {
+        let extreme = |sign: f64| {
+            (0..column.len()).max_by(|a, b| (sign * column[*a].1).total_cmp(&(sign * column[*b].1))).unwrap_or(0)
+        };
+        let mut picks = [0, extreme(1.0), extreme(-1.0), column.len().saturating_sub(1)];
+        picks.sort_unstable();
+        let mut before = None;
+        for pick in picks.into_iter().filter(|pick| before.replace(*pick) != Some(*pick)) {
+            kept.extend(column.get(pick));
+        }
+        column.clear();
+    };
+    for point in points {
+        if column.last().is_some_and(|last| last.0.floor() != point.0.floor()) {
+            flush(&mut column);
+        }
+        column.push(point);
+    }
+    flush(&mut column);
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dense_line_keeps_its_ends_and_peaks() {
+        let dense = (0..1000).map(|i| (f64::from(i) * 0.001, if i == 500 { 9.0 } else { 0.0 }));
+        let kept = thinned(dense);
+        assert!(kept.len() <= 4 && kept[0].0 == 0.0 && kept[kept.len() - 1].0 == 0.999);
+        assert!(kept.iter().any(|point| point.1 == 9.0));
+        let sparse: Vec<Point> = (0..10).map(|i| (f64::from(i) * 3.0, 1.0)).collect();
+        assert_eq!(thinned(sparse.iter().copied()), sparse);
+    }
+}

@@ -1,0 +1,121 @@
+//! A figure as plain data: panels one below the other, layers in them, and what the legend says.
+
+use super::axis::Axis;
+use super::palette::Pen;
+
+/// Two numbers: a place in a panel, in the units of its axes, or on the bitmap.
+pub type Point = (f64, f64);
+
+/// A figure.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// What is seen.
+    pub title: String,
+    /// One below the other; they share the horizontal axis.
+    pub panels: Vec<Panel>,
+    /// Whether one unit is as long on the vertical as on the horizontal axis; the legend then stands at the right.
+    pub equal: bool,
+}
+
+/// One diagram.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// What sets it apart from the other panels.
+    pub heading: String,
+    /// What is to be known besides.
+    pub note: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn: rectangles under the grid, lines over it, marks over all; within these, the lowest first.
+    pub layers: Vec<Layer>,
+}
+
+/// One thing in a panel.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// What is drawn.
+    pub shape: Shape,
+    /// How.
+    pub pen: Pen,
+    /// What the legend says; without one, the legend leaves it out.
+    pub label: Option<String>,
+}
+
+/// What a layer draws.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A line through points.
+    Line(Vec<Point>),
+    /// A mark at each point.
+    Marks(Mark, Vec<Point>),
+    /// A filled rectangle between two corners, which may lie endlessly far outside.
+    Block(Point, Point),
+}
+
+/// A mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A filled circle.
+    Dot,
+    /// A circle with a hole.
+    Ring,
+}
+
+impl Layer {
+    /// A line.
+    pub fn line(points: Vec<Point>, pen: Pen) -> Self {
+        Self { shape: Shape::Line(points), pen, label: None }
+    }
+
+    /// A signal over another, such as time.
+    pub fn signal(x: &[f64], y: &[f64], factor: f64, pen: Pen) -> Self {
+        Self::line(x.iter().zip(y).map(|(x, y)| (*x, factor * y)).collect(), pen)
+    }
+
+    /// A level line.
+    pub fn level(y: f64, pen: Pen) -> Self {
+        // Far beyond any axis, yet finite, so that the line has places to go through.
+        Self::line(vec![(-1e12, y), (1e12, y)], pen)
+    }
+
+    /// Marks.
+    pub fn marks(mark: Mark, points: Vec<Point>, pen: Pen) -> Self {
+        Self { shape: Shape::Marks(mark, points), pen, label: None }
+    }
+
+    /// A rectangle.
+    pub fn block(from: Point, to: Point, pen: Pen) -> Self {
+        Self { shape: Shape::Block(from, to), pen, label: None }
+    }
+
+    /// Everything from `low` to `high`.
+    pub fn band(low: f64, high: f64, pen: Pen) -> Self {
+        Self::block((f64::NEG_INFINITY, low), (f64::INFINITY, high), pen)
+    }
+
+    /// The same layer, in the legend.
+    pub fn labelled(mut self, label: impl Into<String>) -> Self {
+        self.label = Some(label.into());
+        self
+    }
+}
+
+impl Figure {
+    /// A figure of panels that share the horizontal axis.
+    pub fn new(title: impl Into<String>, panels: Vec<Panel>) -> Self {
+        Self { title: title.into(), panels, equal: false }
+    }
+
+    /// The layers that the legend shows: the first with each label.
+    pub fn legend(&self) -> Vec<&Layer> {
+        let mut entries: Vec<&Layer> = Vec::new();
+        for layer in self.panels.iter().flat_map(|panel| &panel.layers) {
+            if layer.label.is_some() && entries.iter().all(|entry| entry.label != layer.label) {
+                entries.push(layer);
+            }
+        }
+        entries
+    }
+}

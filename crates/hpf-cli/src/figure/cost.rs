@@ -1,0 +1,130 @@
+//! Cost by update: the total, and every term that the task weighs.
+
+use hpf_sim::cost::Term;
+use hpf_sim::task::{PerAxis, Task};
+use plotters::style::RGBColor;
+
+use super::axis::{Axis, Scale, span};
+use super::chart::{Figure, Layer, Mark, Panel, Point};
+use super::number::short;
+use super::palette::{BLACK, BLUE, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILLION};
+use crate::results::{LearningRow, Run};
+
+/// How far below the smallest total a term is still shown: less matters to nobody.
+const DEPTH: f64 = 1e-4;
+/// A term that never rises above this many times the lower end of the axis is left out.
+const VISIBLE: f64 = 10.0;
+/// Terms jump from update to update: thin lines keep them apart [px].
+const TERM_WIDTH: f64 = 3.0;
+
+/// Draws the cost by update.
+pub fn cost(run: &Run) -> Figure {
+    let rows = &run.learning;
+    let total = |row: &LearningRow| row.total;
+    // The total is named before the terms, and drawn over them once more.
+    let mut layers = vec![line(rows, total, Pen::strong(BLACK), "total")];
+    let range = range(rows);
+    let mut left_out = Vec::new();
+    for (i, term) in Term::ALL.into_iter().enumerate() {
+        let of_term = |row: &LearningRow| row.terms[i];
+        let (_, most) = span(rows.iter().map(of_term)).unwrap_or((0.0, 0.0));
+        let name = Term::NAMES[i].replace('_', " ");
+        if is_weighed(&run.task, term) && most > VISIBLE * range.0 {
+            let pen = Pen { width: TERM_WIDTH, ..Pen::plain(colour(term)) };
+            layers.push(line(rows, of_term, pen, &name));
+        } else if is_weighed(&run.task, term) && most > 0.0 {
+            left_out.push(name);
+        }
+    }
+    layers.push(line(rows, total, Pen::strong(BLACK), "total"));
+    let note = match left_out.as_slice() {
+        [] => String::new(),
+        names => format!("below {}, not shown: {}", short(VISIBLE * range.0, 1), names.join(", ")),
+    };
+    let best = run.policy.provenance.updates;
+    if let Some(row) = rows.iter().find(|row| row.update == best && rows.len() > 1) {
+        let pen = Pen::strong(BLUE);
+        layers.push(Layer::marks(Mark::Ring, vec![(best as f64, row.total)], pen).labelled("learned"));
+    }
+
+    let updates = span(rows.iter().map(|row| row.update as f64)).unwrap_or((0.0, 1.0));
+    let updates = if updates.0 < updates.1 { updates } else { (updates.0 - 0.5, updates.1 + 0.5) };
+    let panel = Panel {
+        heading: String::new(),
+        note,
+        x: Axis::linear("update", "", updates).with_scale(Scale::Counted),
+        y: Axis::linear("cost", "", range).with_scale(Scale::Logarithmic),
+        layers,
+    };
+    let title = if rows.len() > 1 { "Cost by update, total and terms" } else { "Cost, total and terms" };
+    Figure::new(title, vec![panel])
+}
+
+fn line(rows: &[LearningRow], value: impl Fn(&LearningRow) -> f64, pen: Pen, name: &str) -> Layer {
+    let points: Vec<Point> = rows.iter().map(|row| (row.update as f64, value(row))).collect();
+    if let [point] = *points {
+        return Layer::marks(Mark::Dot, vec![point], pen).labelled(name);
+    }
+    Layer::line(points, pen).labelled(name)
+}
+
+/// From a little below the smallest cost that matters to a little above the largest.
+fn range(rows: &[LearningRow]) -> (f64, f64) {
+    let positive = |value: &f64| value.is_finite() && *value > 0.0;
+    let totals = span(rows.iter().map(|row| row.total).filter(positive));
+    let (least, most) = totals.unwrap_or((1.0, 1.0));
+    let terms = rows.iter().flat_map(|row| &row.terms).copied().filter(positive);
+    let smallest = span(terms).map_or(least, |(low, _)| low.min(least)).max(DEPTH * least);
+    (smallest / 1.5, most * 1.5)
+}
+
+fn is_weighed(task: &Task, term: Term) -> bool {
+    let cost = &task.cost;
+    let any = |weight: &PerAxis| weight.values().iter().any(|value| *value > 0.0);
+    match term {
+        Term::Goal => any(&cost.goal),
+        Term::EndVelocity => any(&cost.end_velocity),
+        Term::ViaPoint => any(&cost.via_point),
+        Term::Tracking => cost.tracking > 0.0,
+        Term::ContactForce => cost.contact_force > 0.0,
+        Term::Acceleration => any(&cost.acceleration),
+        Term::Stiffness => any(&cost.stiffness),
+        Term::Damping => any(&cost.damping),
+    }
+}
+
+fn colour(term: Term) -> RGBColor {
+    match term {
+        Term::Goal => BLUE,
+        Term::EndVelocity => SKY,
+        Term::ViaPoint => VERMILLION,
+        Term::Tracking => GREEN,
+        Term::ContactForce => PURPLE,
+        Term::Acceleration => ORANGE,
+        Term::Stiffness => GREY,
+        Term::Damping => OLIVE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(update: usize, total: f64, first: f64) -> LearningRow {
+        let mut terms = vec![0.0; Term::ALL.len()];
+        terms[0] = first;
+        LearningRow { update, rollouts: 1, total, terms, exploration: 1.0 }
+    }
+
+    #[test]
+    fn a_vanishing_term_does_not_squash_the_others() {
+        let (low, high) = range(&[row(0, 100.0, 50.0), row(1, 1.0, 1e-30)]);
+        assert!((1e-5..1e-3).contains(&low) && (100.0..200.0).contains(&high), "{low} {high}");
+    }
+
+    #[test]
+    fn costs_of_nought_still_have_a_range() {
+        let (low, high) = range(&[row(0, 0.0, 0.0)]);
+        assert!(low > 0.0 && low < high && high.is_finite());
+    }
+}

@@ -1,0 +1,100 @@
+//! Signals of every axis over time, one panel per axis: positions, and forces.
+
+use hpf_sim::environment::disturbance::Side;
+use hpf_sim::environment::{Contact, wall};
+use hpf_sim::task::Unit;
+
+use super::axis::{Axis, padded, span};
+use super::chart::{Figure, Layer, Mark, Panel, Point};
+use super::motions::{Length, motions};
+use super::palette::{BLUE, GREEN, Pen, SHADE, VERMILLION};
+use crate::results::Run;
+
+/// The time axis of a run.
+pub fn time_axis(run: &Run) -> Axis {
+    Axis::linear("time", "s", (0.0, run.task.duration))
+}
+
+/// What sets the panel of an axis apart from those of the others: nothing, where there is only one.
+pub fn axis_heading(run: &Run, axis: usize) -> String {
+    if run.task.axis.len() > 1 { format!("axis {}", run.task.axis[axis].name) } else { String::new() }
+}
+
+/// Which axes a title speaks of.
+pub fn axis_phrase(run: &Run) -> String {
+    match run.task.axis.as_slice() {
+        [axis] => format!(" of axis {}", axis.name),
+        _ => " of each axis".into(),
+    }
+}
+
+/// Draws the disturbances: without a contact, all the force that the admittance sees.
+pub fn disturbance(run: &Run) -> Figure {
+    let panels = run.task.axis.iter().enumerate().map(|(i, axis)| {
+        let (quantity, unit) = if axis.unit == Unit::M { ("force", "N") } else { ("torque", "N m") };
+        // Both sides of every instant, so that a jump is upright.
+        let force = |time, side| {
+            let acting = run.task.disturbance.iter().filter(|disturbance| disturbance.axis() == axis.name);
+            (time, acting.map(|disturbance| disturbance.force(time, side)).sum::<f64>())
+        };
+        let both = |time: &f64| [force(*time, Side::Before), force(*time, Side::After)];
+        let points: Vec<Point> = run.trajectory.time.iter().flat_map(both).collect();
+        Panel {
+            heading: axis_heading(run, i),
+            note: String::new(),
+            x: time_axis(run),
+            y: Axis::linear(quantity, unit, padded(points.iter().map(|point| point.1).chain([0.0]))),
+            layers: vec![Layer::line(points, Pen::strong(BLUE))],
+        }
+    });
+    let what = if run.task.axis.iter().all(|axis| axis.unit == Unit::M) { "force" } else { "force or torque" };
+    let place = match run.task.axis.as_slice() {
+        [axis] => format!("axis {}", axis.name),
+        _ => "each axis".into(),
+    };
+    Figure::new(format!("Disturbing {what} on {place}"), panels.collect())
+}
+
+/// Draws the position of every axis over time, for every motion.
+pub fn position(run: &Run) -> Figure {
+    let task = &run.task;
+    let panels = task.axis.iter().enumerate().map(|(i, axis)| {
+        let mut values = vec![axis.start, axis.goal];
+        values.extend(task.via_point.iter().map(|via| via.position[i]));
+        for motion in motions(run) {
+            values.extend(&motion.trace.axes[i].position);
+        }
+        let reference = &run.trajectory.axes[i].reference_position;
+        values.extend(reference);
+        let (low, high) = span(values.iter().copied()).unwrap_or((0.0, 1.0));
+        let length = Length::fitting(axis, low.abs().max(high.abs()));
+        let shown = padded(values.iter().map(|value| length.factor * value));
+
+        let mut layers = Vec::new();
+        if let Some(Contact::Wall(wall)) = task.contact.as_ref().filter(|contact| contact.axis() == axis.name) {
+            let surface = length.factor * wall.position;
+            let end = if wall.side == wall::Side::Above { f64::INFINITY } else { f64::NEG_INFINITY };
+            layers.push(Layer::band(surface, end, Pen::thin(SHADE)).labelled("wall"));
+        }
+        for motion in motions(run) {
+            let signal = &motion.trace.axes[i].position;
+            layers.push(Layer::signal(&motion.trace.time, signal, length.factor, motion.pen).labelled(motion.label));
+        }
+        let pen = Pen::dashed(VERMILLION);
+        layers.push(Layer::signal(&run.trajectory.time, reference, length.factor, pen).labelled("learned reference"));
+        let via: Vec<_> = task.via_point.iter().map(|via| (via.time, length.factor * via.position[i])).collect();
+        if !via.is_empty() {
+            layers.push(Layer::marks(Mark::Dot, via, Pen::thin(GREEN)).labelled("via point"));
+        }
+        let goal = vec![(task.duration, length.factor * axis.goal)];
+        layers.push(Layer::marks(Mark::Dot, goal, Pen::thin(VERMILLION)).labelled("goal"));
+        Panel {
+            heading: axis_heading(run, i),
+            note: String::new(),
+            x: time_axis(run),
+            y: Axis::linear("position", length.unit, shown),
+            layers,
+        }
+    });
+    Figure::new(format!("Tool position{} over time, by update", axis_phrase(run)), panels.collect())
+}

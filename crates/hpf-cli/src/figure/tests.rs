@@ -1,0 +1,94 @@
+use hpf_sim::{Policy, Simulation, Task};
+
+use super::*;
+use crate::results::LearningRow;
+
+const GAINS: &str = "[stiffness]\ninitial = 100.0\nmin = 30.0\nmax = 400.0\n\
+    [damping]\ninitial = 50.0\nmin = 10.0\nmax = 100.0\n[cost]\ngoal = 1e4\nstiffness = 1e-5\n";
+const BEAM: &str = "[contact]\nkind = \"cantilever\"\naxis = \"y\"\nlength = 0.8\nwidth = 0.05\nthickness = 0.004\n\
+    youngs_modulus = 200e9\nforce = 10.0\n";
+const WALL: &str = "[contact]\nkind = \"wall\"\naxis = \"y\"\nposition = 0.02\nstiffness = 1e4\nforce = 5.0\n";
+
+fn axis(name: &str, unit: &str) -> String {
+    format!("[[axis]]\nname = \"{name}\"\nunit = \"{unit}\"\nstart = 0.0\ngoal = 0.032\n")
+}
+
+/// A run of the policy before learning, as it was before and after one update.
+fn run(name: &str, axes: &[String], rest: &str) -> Run {
+    let text = format!("name = \"{name}\"\nduration = 1.0\nrate = 100.0\n{}{rest}{GAINS}", axes.concat());
+    let task = Task::parse(&text).unwrap();
+    let policy = Policy::initial(&task).unwrap();
+    let simulation = Simulation::new(&task, &policy).unwrap();
+    let trajectory = simulation.rollout(&policy.weights());
+    let cost = simulation.cost(&trajectory);
+    let row = |update| LearningRow {
+        update,
+        rollouts: 1 + 20 * update,
+        total: cost.total(),
+        terms: cost.terms.clone(),
+        exploration: 1.0,
+    };
+    let snapshots = vec![(0, trajectory.clone())];
+    Run { learning: vec![row(0), row(1)], task, policy, trajectory, snapshots }
+}
+
+fn runs() -> Vec<Run> {
+    let [x, y, turn] = [axis("x", "m"), axis("y", "m"), axis("turn", "rad")];
+    let long = "a_very_long_name_of_an_axis_____";
+    let seven: Vec<String> =
+        (1..=7).map(|i| if i == 4 { axis(long, "rad") } else { axis(&format!("q{i}"), "m") }).collect();
+    vec![
+        run("reach", core::slice::from_ref(&x), ""),
+        run("plane", &[x.clone(), y.clone()], "[[via_point]]\ntime = 0.5\nposition = [0.01, 0.02]\n"),
+        run("mixed", &[x.clone(), turn], ""),
+        run("seven", &seven, ""),
+        run("beam", core::slice::from_ref(&y), BEAM),
+        run("beam_and_more", &[x.clone(), y.clone()], BEAM),
+        run("wall", &[y], WALL),
+    ]
+}
+
+#[test]
+fn the_kind_of_task_decides_which_figures_there_are() {
+    let found: Vec<String> = runs().iter().map(|run| names(run).join(" ").replace(".png", "")).collect();
+    let free = "cost stiffness damping disturbance path";
+    assert_eq!(found[..4], [free; 4]);
+    assert_eq!(found[4], "cost stiffness damping beam path deviation contact_force");
+    assert_eq!(found[5], "cost stiffness damping beam path position deviation contact_force");
+    assert_eq!(found[6], "cost stiffness damping path deviation contact_force");
+}
+
+#[test]
+fn the_font_has_every_sign_that_figures_use() {
+    for run in runs() {
+        for (name, figure) in figures(&run) {
+            let figure = figure();
+            let mut texts = vec![figure.title.clone()];
+            texts.extend(figure.legend().iter().filter_map(|layer| layer.label.clone()));
+            for panel in &figure.panels {
+                texts.extend([panel.heading.clone(), panel.note.clone(), panel.x.title(), panel.y.title()]);
+                texts.extend(panel.y.ticks(5.0).into_iter().map(|tick| tick.label));
+            }
+            for text in texts {
+                assert!(text::has_glyphs(&text), "{name} of {}: {text}", run.task.name);
+            }
+        }
+    }
+    assert!(text::has_glyphs("10⁻⁰¹²³⁴⁵⁶⁷⁸⁹ − … · ±"));
+}
+
+#[test]
+fn every_figure_is_written_whole_and_with_the_same_bytes_each_time() {
+    let folder = std::env::temp_dir().join(format!("hpf-figure-{}", std::process::id()));
+    let image = |name: &String| fs::read(folder.join(name)).unwrap();
+    for run in runs() {
+        let names = draw(&run, &folder).unwrap();
+        let first: Vec<_> = names.iter().map(image).collect();
+        assert_eq!(draw(&run, &folder).unwrap(), names);
+        for (name, bytes) in names.iter().zip(&first) {
+            assert!(bytes.starts_with(b"\x89PNG") && image(name) == *bytes, "{name} of {}", run.task.name);
+        }
+    }
+    assert!(fs::read_dir(&folder).unwrap().all(|entry| !entry.unwrap().path().to_string_lossy().contains("partial")));
+    fs::remove_dir_all(&folder).unwrap();
+}
