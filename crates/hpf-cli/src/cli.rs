@@ -56,12 +56,12 @@ pub struct Common {
 /// What `hpf` can do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Learn a task; keep policy, tables, log and plots in runs/<name> or --out
+    /// Learn a task; keep policy, tables, log and plots in runs/NAME or --out
     #[command(after_help = "\
 Examples:
   hpf learn tasks/cantilever.toml
-  hpf learn tasks/via_point.toml --set via_point.0.position=[0.5,0.9] --out runs/elsewhere
-  hpf learn tasks/reach.toml --set learning.preset=paper --json")]
+  hpf learn tasks/via_point.toml --set 'via_point.0.position=[0.5,0.9]' --out runs/elsewhere
+  hpf learn tasks/reach.toml --set learning.updates=300 --json")]
     Learn(Learn),
     /// Simulate a learned policy, also at another rate or in another environment
     #[command(after_help = "\
