@@ -25,6 +25,8 @@ fn shipped_tasks_are_valid() {
 fn each_mistake_is_answered_with_its_place_and_what_is_allowed() {
     let folder = folder();
     let mistakes = [
+        ("rate = 100.0", "rate = 200000", "parameters at every step are 120000000 numbers"),
+        ("rollouts = 18 ", "rollouts = 100001 ", "from 2 to 100000"),
         ("duration = 5.0", "duraton = 5.0", "unknown key `duraton`, did you mean `duration`?"),
         ("rate = 100.0", "rate = \"fast\"", "`rate` must be a number above 0"),
         ("rate = 100.0", "rate = 0", "`rate` must be a number above 0"),

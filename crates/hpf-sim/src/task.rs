@@ -20,8 +20,8 @@ pub const MAX_AXES: usize = 7;
 pub const MAX_BASIS: usize = 1000;
 /// Most steps of one rollout.
 pub const MAX_STEPS: usize = 1_000_000;
-/// Most rollouts of one update.
-pub const MAX_ROLLOUTS: usize = 100_000;
+/// Most numbers of one table that learning works on: at 8 bytes each, in a few tables, some gigabytes.
+pub const MAX_NUMBERS: usize = 50_000_000;
 /// Largest task file read [bytes].
 pub const MAX_TASK_BYTES: usize = 1 << 20;
 /// Goal scaling needs a goal at least this far from the start [axis unit]: the forcing term is scaled by it.

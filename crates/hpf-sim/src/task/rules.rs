@@ -3,7 +3,10 @@
 use core::fmt::Display;
 
 use super::keys::Document;
-use super::{Diagnostic, Gain, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Scaling, Task};
+use super::{
+    Diagnostic, ExplorationKind, Gain, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Preset,
+    Scaling, Task,
+};
 
 /// Appends every contradiction in `task` to `found`.
 pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagnostic>) {
@@ -24,6 +27,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
         rules.cost_and_targets();
     }
     rules.learning();
+    rules.sizes();
 }
 
 struct Rules<'t, 'd, 'f> {
@@ -252,6 +256,32 @@ impl Rules<'_, '_, '_> {
                 if given {
                     self.say(path, format!("`{path}` has nothing to measure"), "add a [[via_point]], or leave it out");
                 }
+            }
+        }
+    }
+
+    /// Tables that would not fit into memory.
+    fn sizes(&mut self) {
+        let (task, learning) = (self.task, &self.task.learning);
+        let steps = (task.duration * task.rate).round();
+        let bases = [task.movement.basis, task.stiffness.basis, task.damping.basis];
+        let parameters = task.axis.len() as f64 * bases.iter().map(|&count| count as f64).sum::<f64>();
+        let rollouts = learning.rollouts as f64;
+        let paper = learning.preset == Preset::Paper && learning.exploration.is_none();
+        let tables = [
+            ("rate", "parameters at every step", steps * parameters, true),
+            ("learning.rollouts", "costs of every rollout and step", steps * rollouts, true),
+            (
+                "learning.rollouts",
+                "samples of every rollout, step and parameter",
+                steps * rollouts * parameters,
+                paper || learning.exploration == Some(ExplorationKind::Step),
+            ),
+        ];
+        for (path, what, numbers, is_used) in tables {
+            if is_used && numbers > MAX_NUMBERS as f64 && steps <= MAX_STEPS as f64 {
+                let help = format!("at most {MAX_NUMBERS}: a lower rate, fewer rollouts, or fewer basis functions");
+                return self.say(path, format!("{what} are {numbers} numbers"), help);
             }
         }
     }
