@@ -5,7 +5,7 @@ use std::io::{IsTerminal as _, stderr};
 use std::time::Instant;
 
 use hpf_learn::Progress;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(2);
@@ -36,8 +36,13 @@ impl Meter {
             return Self::Lines { updates, last: Instant::now() };
         }
         let bar = ProgressBar::with_draw_target(Some(updates as u64), ProgressDrawTarget::stderr());
-        let template = "learning {prefix} {wide_bar} {pos}/{len} updates, {per_sec}, {eta} left, cost {msg}";
+        let template = "learning {prefix} {wide_bar} {pos}/{len} updates, {rate}/s, {eta} left, cost {msg}";
         let style = ProgressStyle::with_template(template).expect("the template is valid");
+        let rate = |state: &ProgressState, line: &mut dyn core::fmt::Write| {
+            // A write into the bar's own line cannot fail.
+            let _ = write!(line, "{:.0}", state.per_sec());
+        };
+        let style = style.with_key("rate", rate);
         Self::Bar(bar.with_style(style).with_prefix(name.to_owned()))
     }
 
