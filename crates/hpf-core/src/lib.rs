@@ -19,6 +19,7 @@ mod error;
 mod gain;
 mod hybrid;
 pub mod movement;
+pub mod passivity;
 mod phase;
 mod real;
 
