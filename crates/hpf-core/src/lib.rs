@@ -15,9 +15,12 @@
 
 pub mod admittance;
 pub mod basis;
+pub mod conditioning;
+
 mod error;
 mod gain;
 mod hybrid;
+pub mod limits;
 pub mod movement;
 pub mod passivity;
 mod phase;
