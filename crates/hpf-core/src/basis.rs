@@ -109,6 +109,12 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         self.widths.as_ref()
     }
 
+    /// Whether the other basis is this one, bit by bit.
+    pub(crate) fn same(&self, other: &Self) -> bool {
+        let equal = |a: &[T], b: &[T]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_f64() == b.to_f64());
+        equal(self.centers(), other.centers()) && equal(self.widths(), other.widths())
+    }
+
     /// `-h_i (s - c_i)^2` of each function.
     #[inline]
     fn exponents(&self, s: T) -> impl Iterator<Item = T> {
@@ -126,20 +132,26 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     /// Each list holds one weight per function; what it lacks counts as nought.
     #[inline]
     pub fn mix<const M: usize>(&self, s: T, weights: [&[T]; M]) -> [T; M] {
+        self.mix_sets(s, weights.map(|list| [list])).map(|[mixed]| mixed)
+    }
+
+    /// [`mix`](Self::mix) of `M` sets of `K` weight lists each, the basis evaluated once for all of them.
+    #[inline]
+    pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
         let largest = self.largest_exponent(s);
-        let mut lists = weights.map(<[T]>::iter);
-        let mut mixed = [T::ZERO; M];
+        let mut sets = weights.map(|set| set.map(<[T]>::iter));
+        let mut mixed = [[T::ZERO; K]; M];
         let mut sum = T::ZERO;
         for exponent in self.exponents(s) {
             let psi = (exponent - largest).exp();
             sum += psi;
-            for (total, list) in mixed.iter_mut().zip(&mut lists) {
+            for (total, list) in mixed.as_flattened_mut().iter_mut().zip(sets.as_flattened_mut()) {
                 if let Some(&weight) = list.next() {
                     *total += psi * weight;
                 }
             }
         }
-        mixed.map(|total| total / sum)
+        mixed.map(|set| set.map(|total| total / sum))
     }
 
     /// Writes `phi_i(s)` into `out`, one entry per function.

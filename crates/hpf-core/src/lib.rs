@@ -29,7 +29,7 @@ mod real;
 pub use basis::Basis;
 pub use error::ConfigError;
 pub use gain::Gain;
-pub use hybrid::{AxisCommand, AxisPrimitives, AxisState, HybridPrimitive, HybridState};
+pub use hybrid::{AxisCommand, AxisPrimitives, AxisState, HybridPrimitive, HybridState, Profile};
 pub use movement::{Movement, MovementState, Transition};
 pub use phase::Phase;
 pub use real::Real;
