@@ -17,6 +17,7 @@ pub mod admittance;
 pub mod basis;
 pub mod conditioning;
 
+pub mod controller;
 mod error;
 mod gain;
 mod hybrid;
