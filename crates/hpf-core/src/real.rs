@@ -43,6 +43,10 @@ pub trait Real:
     fn ln(self) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
+    /// The largest integer not above.
+    fn floor(self) -> Self;
+    /// The integer part; nought for a negative number and for NaN.
+    fn to_index(self) -> usize;
     /// The smaller of two; a NaN loses.
     fn min(self, other: Self) -> Self;
     /// The larger of two; a NaN loses.
@@ -59,7 +63,7 @@ pub trait Real:
 }
 
 macro_rules! impl_real {
-    ($float:ident, $exp:ident, $exp_m1:ident, $ln:ident, $sqrt:ident) => {
+    ($float:ident, $exp:ident, $exp_m1:ident, $ln:ident, $sqrt:ident, $floor:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -89,6 +93,14 @@ macro_rules! impl_real {
                 libm::$sqrt(self)
             }
             #[inline]
+            fn floor(self) -> Self {
+                libm::$floor(self)
+            }
+            #[inline]
+            fn to_index(self) -> usize {
+                self as usize
+            }
+            #[inline]
             fn min(self, other: Self) -> Self {
                 $float::min(self, other)
             }
@@ -108,5 +120,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, expf, expm1f, logf, sqrtf);
-impl_real!(f64, exp, expm1, log, sqrt);
+impl_real!(f32, expf, expm1f, logf, sqrtf, floorf);
+impl_real!(f64, exp, expm1, log, sqrt, floor);
