@@ -4,8 +4,7 @@ use core::hint::black_box;
 
 use criterion::Criterion;
 use hpf_core::admittance::{Inertial, OffsetMotion, step_offset};
-use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Law, Request, Settings, Timing};
+use hpf_core::controller::{Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real, Transition};
@@ -45,30 +44,17 @@ fn phases<T: Real>() -> impl Iterator<Item = T> {
 
 /// A controller in full swing, first order, with tank and filter on, far from every limit.
 fn controller<T: Real + PartialOrd, const D: usize>(family: Family) -> Controller<T, [T; N], D> {
-    let axis = AxisSettings {
-        compliance: Compliance::Compliant,
-        law: Law::FirstOrder,
-        limits: Limits {
-            force: T::of(50.0),
-            offset: T::of(0.3),
-            velocity: T::of(5.0),
-            acceleration: T::of(500.0),
-            position: [T::of(-10.0), T::of(10.0)],
-        },
-        trip_force: T::of(80.0),
-        tracking: T::of(0.1),
+    let limits = Limits {
+        force: T::of(50.0),
+        offset: T::of(0.3),
+        velocity: T::of(5.0),
+        acceleration: T::of(500.0),
+        position: [T::of(-10.0), T::of(10.0)],
     };
-    let settings = Settings {
-        axes: [axis; D],
-        conditioning: ForceConditioning {
-            tool_mass: T::of(0.5),
-            gravity: [T::ZERO; D],
-            cutoff: Some(T::of(100.0)),
-            dead_zone: [T::of(0.5); D],
-        },
-        tank: Some(EnergyTank::new(T::of(10.0), T::ZERO, T::ONE, T::of(1e3)).unwrap()),
-        timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.1), hold: T::of(0.02), oldest_force: 4 },
-    };
+    let mut settings = Settings::compliant([limits; D]);
+    settings.conditioning.cutoff = Some(T::of(100.0));
+    settings.conditioning.dead_zone = [T::of(0.5); D];
+    settings.tank = Some(EnergyTank::new(T::of(10.0), T::ZERO, T::ONE, T::of(1e3)).unwrap());
     let mut controller = Controller::new(skill(family), settings, [T::ZERO; D]).unwrap();
     let request = Some(Request::Start);
     controller.update(&Input { request, ..input() }, T::of(1e-3));

@@ -42,7 +42,6 @@ const ALPHA_RANGE: [f64; 2] = [1e-3, 1e6];
 /// A skill, its settings and its state; `S` holds each list: `[T; N]`, or `&'static [T; N]` for lists in flash.
 ///
 /// ```
-/// use hpf_core::conditioning::ForceConditioning;
 /// use hpf_core::controller::*;
 /// use hpf_core::limits::Limits;
 /// use hpf_core::*;
@@ -53,18 +52,8 @@ const ALPHA_RANGE: [f64; 2] = [1e-3, 1e6];
 ///     damping: Gain::new(10.0, 100.0, [50.0; 5])?,
 /// };
 /// let skill = HybridPrimitive::new(Phase::new(2.0, 100.0_f64.ln())?, [basis; 3], [axis])?;
-/// let settings = Settings {
-///     axes: [AxisSettings {
-///         compliance: Compliance::Compliant,
-///         law: Law::FirstOrder,
-///         limits: Limits { force: 50.0, offset: 0.2, velocity: 0.5, acceleration: 10.0, position: [-0.1, 0.6] },
-///         trip_force: 80.0,
-///         tracking: 0.05,
-///     }],
-///     conditioning: ForceConditioning { tool_mass: 0.0, gravity: [0.0], cutoff: None, dead_zone: [0.0] },
-///     tank: None,
-///     timing: Timing { longest_step: 0.01, ramp: 0.2, hold: 0.01, oldest_force: 4 },
-/// };
+/// let limits = Limits { force: 50.0, offset: 0.2, velocity: 0.5, acceleration: 10.0, position: [-0.1, 0.6] };
+/// let settings = Settings::compliant([limits]);
 /// let mut controller = Controller::new(skill, settings, [0.0])?; // the robot is at 0 m
 /// let mut input = Input {
 ///     measured_force: [10.0],

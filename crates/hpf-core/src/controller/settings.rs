@@ -119,6 +119,27 @@ impl<T: Real + PartialOrd> AxisSettings<T> {
 }
 
 impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
+    /// Settings to start from: every axis gives way by the first-order law, readings are taken as they are, no tank.
+    ///
+    /// Trips at twice the force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of
+    /// 0.2 s, and for 20 ms the last good force stands in for one that is bad or more than 4 steps old.
+    pub fn compliant(limits: [Limits<T>; D]) -> Self {
+        let axis = |limits: Limits<T>| AxisSettings {
+            compliance: Compliance::Compliant,
+            law: Law::FirstOrder,
+            limits,
+            trip_force: limits.force + limits.force,
+            tracking: limits.offset,
+        };
+        let zero = [T::ZERO; D];
+        Self {
+            axes: limits.map(axis),
+            conditioning: ForceConditioning { tool_mass: T::ZERO, gravity: zero, cutoff: None, dead_zone: zero },
+            tank: None,
+            timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.2), hold: T::of(0.02), oldest_force: 4 },
+        }
+    }
+
     /// Checks every value; returns the second-order law of each axis that has one.
     pub(super) fn laws<S: AsRef<[T]>>(
         &self,

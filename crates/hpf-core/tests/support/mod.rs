@@ -1,8 +1,7 @@
 //! A skill and settings that the tests of the controller share.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
-use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Law, Output, Request, Settings, Timing};
+use hpf_core::controller::{Controller, Input, Output, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real};
 
@@ -31,7 +30,7 @@ pub fn skill<T: Real, const D: usize>(duration: f64) -> HybridPrimitive<T, [T; N
     HybridPrimitive::new(Phase::new(T::of(duration), decay).unwrap(), [basis; 3], axes).unwrap()
 }
 
-pub fn settings<T: Real, const D: usize>() -> Settings<T, D> {
+pub fn settings<T: Real + PartialOrd, const D: usize>() -> Settings<T, D> {
     let limits = Limits {
         force: T::of(50.0),
         offset: T::of(0.15),
@@ -39,23 +38,12 @@ pub fn settings<T: Real, const D: usize>() -> Settings<T, D> {
         acceleration: T::of(20.0),
         position: [T::of(-0.4), T::of(0.5)],
     };
-    Settings {
-        axes: [AxisSettings {
-            compliance: Compliance::Compliant,
-            law: Law::FirstOrder,
-            limits,
-            trip_force: T::of(80.0),
-            tracking: T::of(0.05),
-        }; D],
-        conditioning: ForceConditioning {
-            tool_mass: T::ZERO,
-            gravity: [T::ZERO; D],
-            cutoff: None,
-            dead_zone: [T::ZERO; D],
-        },
-        tank: None,
-        timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.1), hold: T::of(0.02), oldest_force: 4 },
+    let mut settings = Settings::compliant([limits; D]);
+    for axis in &mut settings.axes {
+        (axis.trip_force, axis.tracking) = (T::of(80.0), T::of(0.05));
     }
+    settings.timing.ramp = T::of(0.1);
+    settings
 }
 
 pub fn input<T: Real, const D: usize>(force: [f64; D]) -> Input<T, D> {
