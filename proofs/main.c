@@ -3,11 +3,12 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum { N = 20, D = 2, ROOM = 4096 };
+enum { N = 20, D = 2, ROOM = 8192 };
 
 #define TRY(T)                                                                                              \
     bool hpf_##T##_new(void *run, const T weights[3][D][N], const T goal[D], T duration, T decay);          \
     void hpf_##T##_step(void *run, const T force[D], T rate, T dt, T commands[D][4]);                       \
+    void hpf_##T##_update(void *run, const T force[D], unsigned request, T rate, T dt, T commands[D][4]);   \
                                                                                                             \
     static bool try_##T(void) {                                                                             \
         static _Alignas(8) unsigned char run[ROOM];                                                         \
@@ -20,6 +21,11 @@ enum { N = 20, D = 2, ROOM = 4096 };
         if (!hpf_##T##_new(run, weights, goal, 1, 4.6)) return false;                                       \
         for (int i = 0; i < 5000; i++) hpf_##T##_step(run, i % 100 ? push : bad, 1, 0.001, commands);       \
         printf("  %s: x = %.4f m (1 + 20/100), y = %.4f m after 5 s\n", #T, (double)commands[0][0],         \
+               (double)commands[1][0]);                                                                     \
+        if (!(fabs(commands[0][0] - 1.2) < 1e-3 && fabs(commands[1][0] + 0.5) < 1e-3)) return false;        \
+        for (int i = 0; i < 5000; i++)                                                                      \
+            hpf_##T##_update(run, (i + 1) % 100 ? push : bad, i == 0, 1, 0.001, commands);                        \
+        printf("  %s: x = %.4f m, y = %.4f m under a controller\n", #T, (double)commands[0][0],             \
                (double)commands[1][0]);                                                                     \
         return fabs(commands[0][0] - 1.2) < 1e-3 && fabs(commands[1][0] + 0.5) < 1e-3;                      \
     }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Proves by linking that a step of hpf-core cannot panic and does not allocate, then that the proof can fail.
+# Proves by linking that a step of hpf-core and an update of its controller cannot panic and do not allocate, then that
+# the proof can fail.
 # Needs cargo and gcc. One line per proof; exits non-zero on any surprise.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -24,18 +25,20 @@ surprise() {
 }
 
 build || surprise "the step does not build without an allocator"
-echo "proved  building and stepping a skill needs no allocator: there is none"
+echo "proved  building and stepping a skill and a controller needs no allocator: there is none"
 
 link || surprise "a panic is reachable from the step, or it needs more than C's library"
-echo "proved  building and stepping a skill reaches no panic: the program links"
+echo "proved  building and stepping a skill and a controller reaches no panic: the program links"
 
 target/proof || { : >"$log"; surprise "the linked program computes something else"; }
 echo "proved  the linked program runs and settles where it should, in f32 and f64"
 
-build --features negative-panic || surprise "the negative control for panics does not build"
-if link; then surprise "an index out of bounds links: the proof proves nothing"; fi
-grep -q hpf_panic_is_reachable "$log" || surprise "an index out of bounds fails to link for another reason"
-echo "control an index that can be out of bounds does not link"
+for control in negative-panic negative-panic-update; do
+    build --features $control || surprise "the control $control does not build"
+    if link; then surprise "an index out of bounds links: the proof proves nothing"; fi
+    grep -q hpf_panic_is_reachable "$log" || surprise "an index out of bounds fails to link for another reason"
+done
+echo "control an index that can be out of bounds does not link, in step nor in update"
 
 if build --features negative-alloc; then surprise "code that allocates builds: the proof proves nothing"; fi
 grep -q "no global memory allocator" "$log" || surprise "code that allocates fails to build for another reason"

@@ -1,4 +1,5 @@
-//! Proof by linking: a skill of `hpf-core` is built and stepped without a reachable panic and without a heap.
+//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped without a reachable panic and without a
+//! heap.
 //!
 //! The panic handler calls a function that exists nowhere, so a program links only if the linker finds no way from
 //! the functions exported here to a panic. There is no global allocator, so code that allocates does not build.
@@ -10,6 +11,10 @@ extern crate alloc;
 
 use core::mem::MaybeUninit;
 
+use hpf_core::conditioning::ForceConditioning;
+use hpf_core::controller::{AxisSettings, Compliance, Controller, Damping, Input, Law, Request, Settings, Timing};
+use hpf_core::limits::Limits;
+use hpf_core::passivity::EnergyTank;
 use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, HybridState, Movement, Phase, Real};
 
 unsafe extern "C" {
@@ -28,17 +33,50 @@ const N: usize = 20;
 /// Axes.
 const D: usize = 2;
 
-/// A skill and its state: opaque to C, which gives it [`ROOM`] bytes.
+/// A skill, its state and a controller of the same skill: opaque to C, which gives it [`ROOM`] bytes.
 struct Run<T> {
     skill: HybridPrimitive<T, [T; N], D>,
     state: HybridState<T, D>,
+    controller: Controller<T, [T; N], D>,
+}
+
+/// Settings that reach every branch: both laws, every compliance, tank, filter and dead zone.
+fn settings<T: Real>() -> Result<Settings<T, D>, ConfigError> {
+    let axis = |compliance, law| AxisSettings {
+        compliance,
+        law,
+        limits: Limits {
+            force: T::of(50.0),
+            offset: T::of(0.3),
+            velocity: T::of(2.0),
+            acceleration: T::of(50.0),
+            position: [T::of(-2.0), T::of(2.0)],
+        },
+        trip_force: T::of(80.0),
+        tracking: T::of(0.1),
+    };
+    let damping = Damping::Ratio { ratio: T::ONE, floor: T::of(10.0) };
+    Ok(Settings {
+        axes: [
+            axis(Compliance::Compliant, Law::FirstOrder),
+            axis(Compliance::Press(T::ZERO), Law::SecondOrder { mass: T::of(2.0), damping }),
+        ],
+        conditioning: ForceConditioning {
+            tool_mass: T::ZERO,
+            gravity: [T::ZERO; D],
+            cutoff: Some(T::of(100.0)),
+            dead_zone: [T::ZERO; D],
+        },
+        tank: Some(EnergyTank::new(T::of(5.0), T::ZERO, T::ONE, T::of(1e3))?),
+        timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.2), hold: T::of(0.02), oldest_force: 4 },
+    })
 }
 
 /// Bytes and alignment that `main.c` sets aside for a [`Run`].
-const ROOM: usize = 4096;
+const ROOM: usize = 8192;
 const _: () = assert!(size_of::<Run<f64>>() <= ROOM && align_of::<Run<f64>>() <= 8);
 
-impl<T: Real> Run<T> {
+impl<T: Real + PartialOrd> Run<T> {
     /// A skill at its start from weights of movement, stiffness and damping, N for each axis.
     fn new(
         [movement, stiffness, damping]: &[[[T; N]; D]; 3],
@@ -57,7 +95,9 @@ impl<T: Real> Run<T> {
         let ([gx, gy], [mx, my], [kx, ky], [dx, dy]) = (goal, movement, stiffness, damping);
         let axes = [axis(*gx, mx, kx, dx)?, axis(*gy, my, ky, dy)?];
         let skill = HybridPrimitive::new(Phase::new(duration, decay)?, [basis; 3], axes)?;
-        Ok(Self { skill, state: skill.initial_state() })
+        let mut controller = Controller::new(skill, settings()?, [T::ZERO; D])?;
+        controller.set(settings()?)?;
+        Ok(Self { skill, state: skill.initial_state(), controller })
     }
 
     /// One step; writes position, velocity, stiffness and damping of each axis.
@@ -75,8 +115,33 @@ impl<T: Real> Run<T> {
     }
 }
 
+impl<T: Real + PartialOrd> Run<T> {
+    /// One update of the controller; writes what `step` does. `request` 0 is none, 1 to 7 are those of [`Request`].
+    fn update(&mut self, force: &[T; D], request: u32, rate: T, dt: T, commands: &mut [[T; 4]; D]) {
+        let request = match request {
+            1 => Some(Request::Start),
+            2 => Some(Request::Hold),
+            3 => Some(Request::Resume),
+            4 => Some(Request::Stop),
+            5 => Some(Request::Goal(*force)),
+            6 => Some(Request::Tare),
+            7 => Some(Request::Reset(*force)),
+            _ => None,
+        };
+        // A position is watched where the rate is negative: reachable, and out of the way of what `main.c` checks.
+        let measured_position = (rate.to_f64() < 0.0).then_some(*force);
+        let input = Input { measured_force: *force, force_age: 0, measured_position, rate, request };
+        let found = self.controller.update(&input, dt);
+        *commands = found.axes.map(|axis| [axis.position, axis.velocity, axis.stiffness, axis.damping]);
+        #[cfg(feature = "negative-panic-update")]
+        {
+            commands[dt.to_f64() as usize][0] = T::ZERO; // out of bounds from 2 s on
+        }
+    }
+}
+
 macro_rules! export {
-    ($float:ident, $new:ident, $step:ident) => {
+    ($float:ident, $new:ident, $step:ident, $update:ident) => {
         /// Writes a skill at its start to `run`; returns whether its parameters were accepted.
         ///
         /// # Safety
@@ -110,8 +175,26 @@ macro_rules! export {
             let (run, force, commands) = unsafe { (&mut *run, &*force, &mut *commands) };
             run.step(force, rate, dt, commands);
         }
+
+        /// Updates the controller of `run` and writes its commands.
+        ///
+        /// # Safety
+        /// As for `step`.
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $update(
+            run: *mut Run<$float>,
+            force: *const [$float; D],
+            request: u32,
+            rate: $float,
+            dt: $float,
+            commands: *mut [[$float; 4]; D],
+        ) {
+            // SAFETY: the caller's promise.
+            let (run, force, commands) = unsafe { (&mut *run, &*force, &mut *commands) };
+            run.update(force, request, rate, dt, commands);
+        }
     };
 }
 
-export!(f32, hpf_f32_new, hpf_f32_step);
-export!(f64, hpf_f64_new, hpf_f64_step);
+export!(f32, hpf_f32_new, hpf_f32_step, hpf_f32_update);
+export!(f64, hpf_f64_new, hpf_f64_step, hpf_f64_update);

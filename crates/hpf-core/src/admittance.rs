@@ -1,6 +1,7 @@
-//! First-order admittance: how a tool gives way to force.
+//! Admittance: how a tool gives way to force.
 //!
-//! Equation: `d e' + k e = f` (the paper's Eq. 1-2), `e = x_e - x_r`.
+//! Equation: `d e' + k e = f` (the paper's Eq. 1-2), `e = x_e - x_r`; with inertia, `m e'' + d e' + k e = f`, see
+//! [`Inertial`].
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
@@ -10,13 +11,17 @@
 //! | d | `damping` | N s/m or N m s/rad |
 //! | h | `dt` | s |
 //!
-//! Two exact steps of the one relaxation `y' = -lambda (y - q)`:
+//! Two exact steps of the first-order law, the one relaxation `y' = -lambda (y - q)`:
 //! - a **measured** force is held over the step ([`step_offset`]): exact, monotone, stable for every dt > 0;
 //! - a **known** load `f = b - K_e y` is solved together with the law ([`Instant`], [`relax`]): the target q runs
 //!   linearly from its value at the start of the step to its value at the end, lambda is taken at mid-step. Second
 //!   order, right in the stiff limit (`y -> q`), where holding the force would be off by v h.
 //!
 //! Explicit Euler needs `h < 2 d/k` and blows up in contact; it is not here.
+
+mod inertial;
+
+pub use inertial::{Inertial, OffsetMotion};
 
 use crate::Real;
 

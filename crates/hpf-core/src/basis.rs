@@ -10,6 +10,11 @@
 //! | h | `widths` | 1 |
 //! | n | number of functions, at least 2 | 1 |
 //!
+//! A second family is equally spaced in time itself: `psi_i = overlap^((t - i)^2)`, t = -ln(s) (n-1)/alpha_s counted in
+//! spacings. With k the nearest center, `psi_{k+j} / psi_k = u^j overlap^(j^2)`, `u = overlap^(-2 (t - k))`: one logarithm
+//! and one exponential per step instead of n exponentials. Before the first and past the last center t stands still. The
+//! two families are not equal in numbers; weights belong to the family that they were learned with.
+//!
 //! The phi_i are positive and sum to one, so a mixture of weights in `[lo, hi]` stays in `[lo, hi]`. The largest
 //! exponent is subtracted before any exponential is taken: all psi underflowing to 0/0 cannot happen.
 
@@ -19,6 +24,25 @@ use crate::{ConfigError, Real, error};
 
 /// Overlap of neighbours where nothing else is asked for.
 pub const DEFAULT_OVERLAP: f64 = 0.6;
+
+/// A function of the time family that has fallen below this counts as nought: subnormal numbers are slow.
+const NOUGHT_BELOW: f64 = 1e-18;
+
+/// What the functions of a basis are Gaussians of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Family<T> {
+    /// The phase; `shape` holds the widths.
+    Phase,
+    /// Time; `shape` holds what a function has fallen to j spacings from its center.
+    Time {
+        /// Spacings per unit of -ln(s): (n-1)/alpha_s.
+        spacings: T,
+        /// -ln(overlap).
+        fall: T,
+        /// The last center's number, n-1.
+        last: T,
+    },
+}
 
 /// Centers and widths of a basis; `S` holds them: `[T; N]` in firmware, `Vec<T>` on a host.
 ///
@@ -32,7 +56,8 @@ pub const DEFAULT_OVERLAP: f64 = 0.6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basis<T, S> {
     centers: S,
-    widths: S,
+    shape: S,
+    family: Family<T>,
     scalar: PhantomData<T>,
 }
 
@@ -44,9 +69,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     /// not finite, widths that are not positive, and functions whose exponent is not finite over the whole phase.
     pub fn new(centers: S, widths: S) -> Result<Self, ConfigError> {
         let (c, h) = (centers.as_ref(), widths.as_ref());
-        if c.len() < 2 {
-            return Err(ConfigError::TooFew { field: "centers", count: c.len(), least: 2 });
-        }
+        at_least_two(c)?;
         error::finite_list("centers", c, c.len())?;
         error::finite_list("widths", h, c.len())?;
         for (&center, &width) in c.iter().zip(h) {
@@ -58,7 +81,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         if c.iter().zip(c.iter().skip(1)).any(|(this, next)| this.to_f64() <= next.to_f64()) {
             return Err(ConfigError::NotDecreasing { field: "centers" });
         }
-        Ok(Self { centers, widths, scalar: PhantomData })
+        Ok(Self { centers, shape: widths, family: Family::Phase, scalar: PhantomData })
     }
 
     /// The standard basis: centers equally spaced in time over a phase that falls by `decay`, neighbours meeting at
@@ -70,19 +93,8 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     where
         S: AsMut<[T]>,
     {
-        error::positive("decay", decay)?;
-        if !(overlap.to_f64() > 0.0 && overlap.to_f64() < 1.0) {
-            return Err(ConfigError::OutOfRange { field: "overlap", value: overlap.to_f64(), min: 0.0, max: 1.0 });
-        }
-        let count = centers.as_ref().len();
-        if count < 2 {
-            return Err(ConfigError::TooFew { field: "centers", count, least: 2 });
-        }
-        let last = T::of((count - 1) as f64);
-        for (i, center) in centers.as_mut().iter_mut().enumerate() {
-            *center = (-decay * T::of(i as f64) / last).exp();
-        }
-        let fall = T::of(-libm::log(overlap.to_f64()));
+        let fall = fall_to(overlap)?;
+        place(decay, centers.as_mut())?;
         let mut width = T::ONE;
         let c = centers.as_ref();
         for (slot, pair) in widths.as_mut().iter_mut().zip(c.windows(2).map(Some).chain([None])) {
@@ -94,71 +106,234 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         Self::new(centers, widths)
     }
 
+    /// The basis of the time family: centers equally spaced in time over a phase that falls by `decay`, neighbours
+    /// meeting at `overlap` (in (0, 1)). Fills the storage it is given, whose length is the number of functions.
+    ///
+    /// ```
+    /// use hpf_core::Basis;
+    /// let basis = Basis::equally_spaced_in_time(100.0_f64.ln(), 0.6, [0.0; 5], [0.0; 5])?;
+    /// let [mixed] = basis.mix(0.1, [&[1.0, 2.0, 3.0, 4.0, 5.0]]);
+    /// assert!((mixed - 3.0).abs() < 1e-12); // half the time: the middle, by symmetry
+    /// # Ok::<(), hpf_core::ConfigError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`equally_spaced`](Self::equally_spaced), and for lengths that differ.
+    pub fn equally_spaced_in_time(decay: T, overlap: T, mut centers: S, mut falls: S) -> Result<Self, ConfigError>
+    where
+        S: AsMut<[T]>,
+    {
+        let fall = fall_to(overlap)?;
+        let last = place(decay, centers.as_mut())?;
+        error::finite_list("falls", falls.as_ref(), centers.as_ref().len())?;
+        for (j, slot) in falls.as_mut().iter_mut().enumerate() {
+            let fallen = libm::exp(-fall.to_f64() * (j * j) as f64);
+            *slot = if fallen < NOUGHT_BELOW { T::ZERO } else { T::of(fallen) };
+        }
+        Ok(Self {
+            centers,
+            shape: falls,
+            family: Family::Time { spacings: last / decay, fall, last },
+            scalar: PhantomData,
+        })
+    }
+
+    /// The same basis over other storage, for lists that lie in flash.
+    ///
+    /// # Errors
+    /// [`ConfigError`] unless the stored numbers are those of this basis.
+    pub fn stored<R: AsRef<[T]>>(&self, centers: R, shape: R) -> Result<Basis<T, R>, ConfigError> {
+        for (field, ours, theirs) in
+            [("centers", self.centers(), centers.as_ref()), ("shape", self.shape.as_ref(), shape.as_ref())]
+        {
+            error::finite_list(field, theirs, ours.len())?;
+            for (ours, theirs) in ours.iter().zip(theirs) {
+                let value = ours.to_f64();
+                error::within(field, *theirs, value, value)?;
+            }
+        }
+        Ok(Basis { centers, shape, family: self.family, scalar: PhantomData })
+    }
+
     /// Number of functions.
     pub fn count(&self) -> usize {
         self.centers.as_ref().len()
     }
 
-    /// Centers c_i, oldest phase first.
+    /// Centers c_i in phase, oldest first.
     pub fn centers(&self) -> &[T] {
         self.centers.as_ref()
     }
 
-    /// Widths h_i.
+    /// Widths h_i; of the time family, what a function has fallen to j spacings from its center.
     pub fn widths(&self) -> &[T] {
-        self.widths.as_ref()
+        self.shape.as_ref()
     }
 
-    /// `-h_i (s - c_i)^2` of each function.
+    /// Whether the other basis is this one, bit by bit.
+    pub(crate) fn same(&self, other: &Self) -> bool {
+        let equal = |a: &[T], b: &[T]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_f64() == b.to_f64());
+        let family = match (self.family, other.family) {
+            (Family::Phase, Family::Phase) => true,
+            (Family::Time { spacings, fall, .. }, Family::Time { spacings: others, fall: other, .. }) => {
+                equal(&[spacings, fall], &[others, other])
+            }
+            (Family::Phase, Family::Time { .. }) | (Family::Time { .. }, Family::Phase) => false,
+        };
+        family && equal(self.centers(), other.centers()) && equal(self.widths(), other.widths())
+    }
+
+    /// `-h_i (s - c_i)^2` of each function of the phase family.
     #[inline]
     fn exponents(&self, s: T) -> impl Iterator<Item = T> {
-        self.centers.as_ref().iter().zip(self.widths.as_ref()).map(move |(&c, &h)| -h * (s - c) * (s - c))
+        self.centers.as_ref().iter().zip(self.shape.as_ref()).map(move |(&c, &h)| -h * (s - c) * (s - c))
     }
 
-    /// The largest exponent at `s`: it cancels in every normalised quantity.
+    /// Each activation of the phase family over the largest, which cancels in every normalised quantity.
     #[inline]
-    fn largest_exponent(&self, s: T) -> T {
-        self.exponents(s).fold(T::of(f64::NEG_INFINITY), T::max)
+    fn relative(&self, s: T) -> impl Iterator<Item = T> {
+        let largest = self.exponents(s).fold(T::of(f64::NEG_INFINITY), T::max);
+        self.exponents(s).map(move |exponent| (exponent - largest).exp())
+    }
+
+    /// Activations of the time family over the nearest one's: from it on, and before it in falling order.
+    #[inline]
+    fn around(&self, k: usize, distance: T, fall: T) -> [impl Iterator<Item = T>; 2] {
+        let falls = self.shape.as_ref();
+        let up = ((fall + fall) * distance).exp();
+        let outward = move |ratio: T, skipped: usize, count: usize| {
+            let mut power = T::ONE;
+            falls
+                .iter()
+                .take(count + skipped)
+                .map(move |&fallen| {
+                    let activation = power * fallen;
+                    power = power * ratio;
+                    activation
+                })
+                .skip(skipped)
+        };
+        [outward(up, 0, falls.len().saturating_sub(k)), outward(T::ONE / up, 1, k)]
     }
 
     /// The mixtures `sum_i w_i phi_i(s)` of `M` weight lists, the basis evaluated once for all of them.
     ///
-    /// Each list holds one weight per function; what it lacks counts as nought.
+    /// Each list holds one weight per function; one of another length is not refused, but mixes wrongly.
     #[inline]
     pub fn mix<const M: usize>(&self, s: T, weights: [&[T]; M]) -> [T; M] {
-        let largest = self.largest_exponent(s);
-        let mut lists = weights.map(<[T]>::iter);
-        let mut mixed = [T::ZERO; M];
-        let mut sum = T::ZERO;
-        for exponent in self.exponents(s) {
-            let psi = (exponent - largest).exp();
-            sum += psi;
-            for (total, list) in mixed.iter_mut().zip(&mut lists) {
-                if let Some(&weight) = list.next() {
-                    *total += psi * weight;
-                }
+        self.mix_sets(s, weights.map(|list| [list])).map(|[mixed]| mixed)
+    }
+
+    /// [`mix`](Self::mix) of `M` sets of `K` weight lists each, the basis evaluated once for all of them.
+    #[inline]
+    pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
+        let mut total = Mixture { sum: T::ZERO, mixed: [[T::ZERO; K]; M] };
+        match self.family {
+            Family::Phase => total.add(self.relative(s), weights.map(|set| set.map(<[T]>::iter))),
+            Family::Time { spacings, fall, last } => {
+                let (k, distance) = nearest(s, spacings, last);
+                let [from, before] = self.around(k, distance, fall);
+                let halves = weights.map(|set| set.map(|list| list.split_at_checked(k).unwrap_or_default()));
+                total.add(from, halves.map(|set| set.map(|(_, from)| from.iter())));
+                total.add(before, halves.map(|set| set.map(|(before, _)| before.iter().rev())));
             }
         }
-        mixed.map(|total| total / sum)
+        total.mixed.map(|set| set.map(|mixed| mixed / total.sum))
     }
 
     /// Writes `phi_i(s)` into `out`, one entry per function.
     pub fn features_into(&self, s: T, out: &mut [T]) {
-        let largest = self.largest_exponent(s);
+        let write = |slots: &mut dyn Iterator<Item = &mut T>, activations: &mut dyn Iterator<Item = T>| {
+            slots.zip(activations).for_each(|(slot, activation)| *slot = activation);
+        };
+        match self.family {
+            Family::Phase => write(&mut out.iter_mut(), &mut self.relative(s)),
+            Family::Time { spacings, fall, last } => {
+                let (k, distance) = nearest(s, spacings, last);
+                let [mut from, mut before] = self.around(k, distance, fall);
+                if let Some((first, rest)) = out.split_at_mut_checked(k) {
+                    write(&mut rest.iter_mut(), &mut from);
+                    write(&mut first.iter_mut().rev(), &mut before);
+                }
+            }
+        }
         let mut sum = T::ZERO;
-        for (slot, exponent) in out.iter_mut().zip(self.exponents(s)) {
-            *slot = (exponent - largest).exp();
-            sum += *slot;
-        }
-        for slot in out {
-            *slot = *slot / sum;
-        }
+        out.iter().for_each(|&activation| sum += activation);
+        out.iter_mut().for_each(|slot| *slot = *slot / sum);
     }
 
     /// Writes `psi_i(s)` into `out`, one entry per function: the activations without normalisation.
     pub fn activations_into(&self, s: T, out: &mut [T]) {
-        for (slot, exponent) in out.iter_mut().zip(self.exponents(s)) {
-            *slot = exponent.exp();
+        match self.family {
+            Family::Phase => {
+                for (slot, exponent) in out.iter_mut().zip(self.exponents(s)) {
+                    *slot = exponent.exp();
+                }
+            }
+            Family::Time { spacings, fall, last } => {
+                let (k, distance) = nearest(s, spacings, last);
+                for (i, slot) in out.iter_mut().enumerate().take(self.count()) {
+                    let away = T::of(k as f64 - i as f64) + distance;
+                    *slot = (-fall * away * away).exp();
+                }
+            }
         }
     }
+}
+
+/// Sums of activations and of weights times activations.
+struct Mixture<T, const K: usize, const M: usize> {
+    sum: T,
+    mixed: [[T; K]; M],
+}
+
+impl<T: Real, const K: usize, const M: usize> Mixture<T, K, M> {
+    /// Adds `activations`, each times the next weight of every list.
+    #[inline]
+    fn add<'a>(&mut self, activations: impl Iterator<Item = T>, mut lists: [[impl Iterator<Item = &'a T>; K]; M]) {
+        for activation in activations {
+            self.sum += activation;
+            for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
+                if let Some(&weight) = list.next() {
+                    *mixed += activation * weight;
+                }
+            }
+        }
+    }
+}
+
+/// The nearest center k of the time family and the distance to it in spacings.
+#[inline]
+fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
+    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
+    let k = (t + T::of(0.5)).floor();
+    (k.to_index(), t - k)
+}
+
+/// An error unless there are at least two functions.
+fn at_least_two<T>(centers: &[T]) -> Result<(), ConfigError> {
+    if centers.len() < 2 {
+        return Err(ConfigError::TooFew { field: "centers", count: centers.len(), least: 2 });
+    }
+    Ok(())
+}
+
+/// `-ln(overlap)` of an overlap in (0, 1).
+fn fall_to<T: Real>(overlap: T) -> Result<T, ConfigError> {
+    let value = overlap.to_f64();
+    if !(value > 0.0 && value < 1.0) {
+        return Err(ConfigError::OutOfRange { field: "overlap", value, min: 0.0, max: 1.0 });
+    }
+    Ok(T::of(-libm::log(value)))
+}
+
+/// Places centers equally in time over a phase that falls by `decay`; returns the number of spacings.
+fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<T, ConfigError> {
+    error::positive("decay", decay)?;
+    at_least_two(centers)?;
+    let last = T::of((centers.len() - 1) as f64);
+    for (i, center) in centers.iter_mut().enumerate() {
+        *center = (-decay * T::of(i as f64) / last).exp();
+    }
+    Ok(last)
 }

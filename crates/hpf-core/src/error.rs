@@ -103,6 +103,21 @@ pub(crate) fn positive<T: crate::Real>(field: &'static str, value: T) -> Result<
     if value.to_f64() > 0.0 { Ok(value) } else { Err(ConfigError::NotPositive { field, value: value.to_f64() }) }
 }
 
+/// `value` if finite and not below nought, else an error that names `field`.
+pub(crate) fn not_negative<T: crate::Real>(field: &'static str, value: T) -> Result<T, ConfigError> {
+    within(field, value, 0.0, f64::INFINITY)
+}
+
+/// `value` if finite and in `[min, max]`, else an error that names `field`.
+pub(crate) fn within<T: crate::Real>(field: &'static str, value: T, min: f64, max: f64) -> Result<T, ConfigError> {
+    let found = finite(field, value)?.to_f64();
+    if found >= min && found <= max {
+        Ok(value)
+    } else {
+        Err(ConfigError::OutOfRange { field, value: found, min, max })
+    }
+}
+
 /// Every value finite, and as many as `expected`.
 pub(crate) fn finite_list<T: crate::Real>(
     field: &'static str,

@@ -1,7 +1,8 @@
 //! The hybrid primitive: movement, stiffness and damping of every axis, driven by one phase.
 //!
 //! One step of `dt` [s] at `rate` r, per axis (the order is that of its parts, each exact for what it holds):
-//! 1. phase to mid-step: `s_m = s exp(-alpha_s r h/(2 tau))`; the three bases are evaluated there, once for all axes;
+//! 1. phase to mid-step: `s_m = s exp(-alpha_s r h/(2 tau))`; the bases are evaluated there, once for all axes
+//!    and once for the primitives that share one;
 //! 2. movement: [`Transition`] with F(s_m), second order;
 //! 3. admittance: [`step_offset`] with k(s_m), d(s_m), second order in the parameters; the measured force is held,
 //!    which is sampling, not integration;
@@ -51,7 +52,30 @@ pub struct HybridPrimitive<T, S, const D: usize> {
     movement_basis: Basis<T, S>,
     stiffness_basis: Basis<T, S>,
     damping_basis: Basis<T, S>,
+    sharing: Sharing,
     axes: [AxisPrimitives<T, S>; D],
+}
+
+/// Which primitives have one and the same basis: it is then evaluated once per step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sharing {
+    /// Movement, stiffness and damping.
+    All,
+    /// Stiffness and damping.
+    Gains,
+    /// None.
+    Nothing,
+}
+
+/// The three primitives of one axis at one phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile<T> {
+    /// Forcing term F of the movement [axis unit].
+    pub forcing: T,
+    /// Stiffness [N/m].
+    pub stiffness: T,
+    /// Damping [N s/m].
+    pub damping: T,
 }
 
 /// State of one axis of a skill.
@@ -100,7 +124,12 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             error::finite_list("stiffness.weights", axis.stiffness.weights(), stiffness_basis.count())?;
             error::finite_list("damping.weights", axis.damping.weights(), damping_basis.count())?;
         }
-        Ok(Self { phase, movement_basis, stiffness_basis, damping_basis, axes })
+        let sharing = match (stiffness_basis.same(&damping_basis), movement_basis.same(&damping_basis)) {
+            (true, true) => Sharing::All,
+            (true, false) => Sharing::Gains,
+            (false, _) => Sharing::Nothing,
+        };
+        Ok(Self { phase, movement_basis, stiffness_basis, damping_basis, sharing, axes })
     }
 
     /// The phase all axes share.
@@ -111,6 +140,41 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// The primitives of each axis.
     pub fn axes(&self) -> &[AxisPrimitives<T, S>; D] {
         &self.axes
+    }
+
+    /// The primitives of every axis at phase `s`; a basis they share is evaluated once.
+    #[inline]
+    pub fn at(&self, s: T) -> [Profile<T>; D] {
+        let axes = self.axes.each_ref();
+        let mixed = match self.sharing {
+            Sharing::All => self.damping_basis.mix_sets(
+                s,
+                axes.map(|axis| [axis.movement.weights(), axis.stiffness.weights(), axis.damping.weights()]),
+            ),
+            Sharing::Gains => {
+                let mut gains = self
+                    .damping_basis
+                    .mix_sets(s, axes.map(|axis| [axis.stiffness.weights(), axis.damping.weights()]))
+                    .into_iter();
+                let movement = self.movement_basis.mix(s, axes.map(|axis| axis.movement.weights()));
+                movement.map(|movement| {
+                    let [stiffness, damping] = gains.next().unwrap_or([T::ZERO; 2]);
+                    [movement, stiffness, damping]
+                })
+            }
+            Sharing::Nothing => {
+                let mut stiffness = self.stiffness_basis.mix(s, axes.map(|axis| axis.stiffness.weights())).into_iter();
+                let mut damping = self.damping_basis.mix(s, axes.map(|axis| axis.damping.weights())).into_iter();
+                let movement = self.movement_basis.mix(s, axes.map(|axis| axis.movement.weights()));
+                movement
+                    .map(|movement| [movement, stiffness.next().unwrap_or(T::ZERO), damping.next().unwrap_or(T::ZERO)])
+            }
+        };
+        let mut mixed = mixed.into_iter();
+        axes.map(|axis| {
+            let [movement, stiffness, damping] = mixed.next().unwrap_or([T::ZERO; 3]);
+            Profile { forcing: axis.movement.forcing(s, movement), stiffness, damping }
+        })
     }
 
     /// At rest at the start, without offset.
@@ -133,19 +197,15 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         let duration = self.phase.duration();
 
         let middle = self.phase.step(state.phase, rate, dt * T::of(0.5));
-        let axes = self.axes.each_ref();
-        let movement = self.movement_basis.mix(middle, axes.map(|axis| axis.movement.weights()));
-        let stiffness = self.stiffness_basis.mix(middle, axes.map(|axis| axis.stiffness.weights()));
-        let damping = self.damping_basis.mix(middle, axes.map(|axis| axis.damping.weights()));
+        let profiles = self.at(middle);
         state.phase = self.phase.step(state.phase, rate, dt);
 
-        let mixtures = movement.into_iter().zip(stiffness).zip(damping);
         let mut commands =
             [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];
-        let slots = commands.iter_mut().zip(&mut state.axes).zip(axes).zip(measured_force).zip(mixtures);
-        for ((((command, state), axis), force), ((movement, stiffness), damping)) in slots {
+        let slots = commands.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(measured_force).zip(profiles);
+        for ((((command, state), axis), force), Profile { forcing, stiffness, damping }) in slots {
             let transition = Transition::new(axis.movement.alpha(), rate * dt / duration);
-            transition.apply(&mut state.reference, axis.movement.goal(), axis.movement.forcing(middle, movement));
+            transition.apply(&mut state.reference, axis.movement.goal(), forcing);
             let mut give = T::ZERO;
             if force.is_finite() {
                 let force = force.max(-largest).min(largest);

@@ -15,17 +15,22 @@
 
 pub mod admittance;
 pub mod basis;
+pub mod conditioning;
+
+pub mod controller;
 mod error;
 mod gain;
 mod hybrid;
+pub mod limits;
 pub mod movement;
+pub mod passivity;
 mod phase;
 mod real;
 
 pub use basis::Basis;
 pub use error::ConfigError;
 pub use gain::Gain;
-pub use hybrid::{AxisCommand, AxisPrimitives, AxisState, HybridPrimitive, HybridState};
+pub use hybrid::{AxisCommand, AxisPrimitives, AxisState, HybridPrimitive, HybridState, Profile};
 pub use movement::{Movement, MovementState, Transition};
 pub use phase::Phase;
 pub use real::Real;

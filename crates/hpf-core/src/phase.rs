@@ -52,7 +52,13 @@ impl<T: Real> Phase<T> {
     /// The phase `dt` [s] later, time running at `rate`.
     #[inline]
     pub fn step(&self, phase: T, rate: T, dt: T) -> T {
-        phase * (-self.decay * rate * dt / self.duration).exp()
+        phase * self.fall(rate, dt)
+    }
+
+    /// The factor by which the phase falls in `dt` [s], time running at `rate`.
+    #[inline]
+    pub fn fall(&self, rate: T, dt: T) -> T {
+        (-self.decay * rate * dt / self.duration).exp()
     }
 
     /// The phase `time` [s] after the start at the nominal rate.

@@ -39,10 +39,23 @@ pub trait Real:
     fn exp(self) -> Self;
     /// `e^self - 1`, accurate near nought.
     fn exp_m1(self) -> Self;
+    /// The natural logarithm.
+    fn ln(self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// The largest integer not above.
+    fn floor(self) -> Self;
+    /// The integer part; nought for a negative number and for NaN.
+    fn to_index(self) -> usize;
     /// The smaller of two; a NaN loses.
     fn min(self, other: Self) -> Self;
     /// The larger of two; a NaN loses.
     fn max(self, other: Self) -> Self;
+    /// The magnitude.
+    #[inline]
+    fn abs(self) -> Self {
+        self.max(-self)
+    }
     /// `below` where `self < bound`, else `otherwise` (also for NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
     /// Whether the value is neither infinite nor NaN.
@@ -50,7 +63,7 @@ pub trait Real:
 }
 
 macro_rules! impl_real {
-    ($float:ident, $exp:ident, $exp_m1:ident) => {
+    ($float:ident, $exp:ident, $exp_m1:ident, $ln:ident, $sqrt:ident, $floor:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -72,6 +85,22 @@ macro_rules! impl_real {
                 libm::$exp_m1(self)
             }
             #[inline]
+            fn ln(self) -> Self {
+                libm::$ln(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                libm::$sqrt(self)
+            }
+            #[inline]
+            fn floor(self) -> Self {
+                libm::$floor(self)
+            }
+            #[inline]
+            fn to_index(self) -> usize {
+                self as usize
+            }
+            #[inline]
             fn min(self, other: Self) -> Self {
                 $float::min(self, other)
             }
@@ -91,5 +120,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, expf, expm1f);
-impl_real!(f64, exp, expm1);
+impl_real!(f32, expf, expm1f, logf, sqrtf, floorf);
+impl_real!(f64, exp, expm1, log, sqrt, floor);

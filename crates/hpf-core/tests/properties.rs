@@ -22,6 +22,10 @@ fn any_phase() -> impl Strategy<Value = f64> {
     prop_oneof![0.0..=1.0_f64, Just(0.0), Just(1.0), (-300.0..0.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent))]
 }
 
+fn basis_in_single_precision(decay: f64, overlap: f64, n: usize) -> Basis<f32, Vec<f32>> {
+    Basis::equally_spaced_in_time(decay as f32, overlap as f32, vec![0.0; n], vec![0.0; n]).unwrap()
+}
+
 proptest! {
     #[test]
     fn features_are_a_partition_of_unity(basis in wild_basis(), s in any_phase()) {
@@ -64,6 +68,45 @@ proptest! {
             prop_assert!((activations[i] - overlap).abs() < 1e-12); // (c - c)^2 h, twice rounded
             prop_assert!((activations[i + 1] - 1.0).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn the_time_family_is_gaussians_of_time(
+        n in 2..40_usize, decay in 1.0..10.0_f64, overlap in 0.05..0.95_f64, t in -0.2..1.2_f64,
+        weights in vec(-1.0..1.0_f64, 40),
+    ) {
+        let basis = Basis::equally_spaced_in_time(decay, overlap, vec![0.0; n], vec![0.0; n]).unwrap();
+        let weights = &weights[..n];
+        let s = (-decay * t).exp();
+        // n exponentials of the time from start to end, which the basis does without; outside, time stands still.
+        let spacings = t.clamp(0.0, 1.0) * (n - 1) as f64;
+        let psi: Vec<f64> = (0..n).map(|i| overlap.powf((spacings - i as f64).powi(2))).collect();
+        let sum: f64 = psi.iter().sum();
+        let exact: f64 = psi.iter().zip(weights).map(|(psi, w)| psi * w).sum::<f64>() / sum;
+        let [mixed] = basis.mix(s, [weights]);
+        // Time is known to 1e-16 n, and an activation falls by at most 2 |ln 0.05| a spacing.
+        prop_assert!((mixed - exact).abs() < 1e-12, "{mixed} {exact}");
+        let (mut features, mut activations) = (vec![f64::NAN; n], vec![f64::NAN; n]);
+        basis.features_into(s, &mut features);
+        basis.activations_into(s, &mut activations);
+        prop_assert!((features.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        for ((phi, activation), psi) in features.iter().zip(&activations).zip(&psi) {
+            prop_assert!((phi - psi / sum).abs() < 1e-12 && (activation - psi).abs() < 1e-12);
+        }
+        let single = basis_in_single_precision(decay, overlap, n);
+        let narrow: Vec<f32> = weights.iter().map(|&w| w as f32).collect();
+        let [found] = single.mix(s as f32, [&narrow]);
+        // The logarithm of a rounded phase knows the time to 1e-7 of n/decay spacings.
+        prop_assert!((f64::from(found) - exact).abs() < 1e-4, "{found} {exact}");
+    }
+
+    #[test]
+    fn the_time_family_mixes_at_every_phase(n in 2..40_usize, overlap in 0.01..0.99_f64, s in any_phase()) {
+        let basis = Basis::equally_spaced_in_time(4.6, overlap, vec![0.0; n], vec![0.0; n]).unwrap();
+        let [mixed] = basis.mix(s, [&vec![7.0; n]]);
+        prop_assert!((mixed - 7.0).abs() < 1e-13, "{mixed}");
+        let [mixed] = basis_in_single_precision(4.6, overlap, n).mix(s as f32, [&vec![7.0; n]]);
+        prop_assert!((mixed - 7.0).abs() < 1e-5, "{mixed}");
     }
 
     #[test]
@@ -237,6 +280,43 @@ fn a_basis_that_can_be_built_can_be_mixed_at_every_phase() {
                 assert!((1.0..=2.0).contains(&mixed), "{mixed} at {s} of {basis:?}");
             }
         }
+    }
+}
+
+#[test]
+fn a_basis_that_primitives_share_is_evaluated_once_and_alike() {
+    let list = |scale: f64| -> [f64; 5] { core::array::from_fn(|i| 50.0 + scale * i as f64) };
+    let axis = AxisPrimitives {
+        movement: Movement::new(0.0, 1.0, 25.0, 1.0, list(3.0)).unwrap(),
+        stiffness: Gain::new(30.0, 400.0, list(20.0)).unwrap(),
+        damping: Gain::new(10.0, 100.0, list(10.0)).unwrap(),
+    };
+    let basis = |overlap: f64| Basis::equally_spaced(4.6, overlap, [0.0; 5], [0.0; 5]).unwrap();
+    let in_time = Basis::equally_spaced_in_time(4.6, 0.6, [0.0; 5], [0.0; 5]).unwrap();
+    let (a, b) = (basis(0.6), basis(0.7));
+    for bases in [[a, a, a], [a, b, b], [a, b, a], [a, a, b], [in_time; 3], [a, in_time, in_time], [in_time, a, b]] {
+        let skill = HybridPrimitive::new(Phase::new(1.0, 4.6).unwrap(), bases, [axis; 3]).unwrap();
+        for s in [1.0, 0.4, 0.02] {
+            let [movement, stiffness, damping] =
+                [axis.movement.weights(), axis.stiffness.weights(), axis.damping.weights()];
+            let profile = hpf_core::Profile {
+                forcing: axis.movement.forcing(s, bases[0].mix(s, [movement])[0]),
+                stiffness: bases[1].mix(s, [stiffness])[0],
+                damping: bases[2].mix(s, [damping])[0],
+            };
+            assert_eq!(skill.at(s), [profile; 3]); // to the bit
+        }
+    }
+}
+
+#[test]
+fn a_basis_moves_to_other_storage_only_unchanged() {
+    let bases = [Basis::equally_spaced, Basis::equally_spaced_in_time].map(|new| new(4.6, 0.6, [0.0; 3], [0.0; 3]));
+    for basis in bases.map(Result::unwrap) {
+        let stored = basis.stored(basis.centers(), basis.widths()).unwrap();
+        assert_eq!(stored.mix(0.3, [&[1.0, 2.0, 3.0]]), basis.mix(0.3, [&[1.0, 2.0, 3.0]]));
+        assert!(basis.stored([1.0, 0.5, 0.2], [1.0; 3]).is_err());
+        assert!(basis.stored([1.0, 0.1], [1.0; 2]).is_err());
     }
 }
 

@@ -1,0 +1,167 @@
+//! The settings of a controller: everything beside the skill, plain numbers checked as a whole.
+
+use crate::admittance::Inertial;
+use crate::conditioning::ForceConditioning;
+use crate::limits::{LARGEST, Limits};
+use crate::passivity::EnergyTank;
+use crate::{AxisPrimitives, ConfigError, Real, error};
+
+/// Everything beside the skill; all of it may change between steps, see
+/// [`Controller::set`](super::Controller::set).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings<T, const D: usize> {
+    /// One entry per axis.
+    pub axes: [AxisSettings<T>; D],
+    /// From the sensor's reading to the force that the model sees.
+    pub conditioning: ForceConditioning<T, D>,
+    /// Guard of passivity, if there is one.
+    pub tank: Option<EnergyTank<T>>,
+    /// Time and its faults.
+    pub timing: Timing<T>,
+}
+
+/// Settings of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisSettings<T> {
+    /// What it does with force.
+    pub compliance: Compliance<T>,
+    /// By which law it gives way.
+    pub law: Law<T>,
+    /// What a command never exceeds.
+    pub limits: Limits<T>,
+    /// Compensated force above which the controller stops [N].
+    pub trip_force: T,
+    /// Distance between command and robot above which it stops [axis unit].
+    pub tracking: T,
+}
+
+/// What an axis does with force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Compliance<T> {
+    /// Nothing: it follows the reference. The force is watched for its trip level only.
+    Rigid,
+    /// Gives way by the admittance.
+    Compliant,
+    /// Gives way, and presses on the environment with this force [N]: `f + setpoint` drives the admittance. In contact
+    /// the pressure is the set-point less `k e`; exact where the reference lies on the surface.
+    Press(T),
+}
+
+/// By which law an axis gives way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law<T> {
+    /// `d e' + k e = f`, damping from its primitive.
+    FirstOrder,
+    /// `m e'' + d e' + k e = f`.
+    SecondOrder {
+        /// Virtual mass m [kg].
+        mass: T,
+        /// Where d comes from.
+        damping: Damping<T>,
+    },
+}
+
+/// Where the damping of a second-order axis comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping<T> {
+    /// The damping primitive.
+    Primitive,
+    /// `d = max(2 ratio sqrt(m k), floor)`: it follows stiffness, and does not vanish with it.
+    Ratio {
+        /// Damping ratio; 1 is critical.
+        ratio: T,
+        /// Least damping [N s/m].
+        floor: T,
+    },
+}
+
+/// Time and its faults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing<T> {
+    /// Longest step; a longer dt is cut to it [s].
+    pub longest_step: T,
+    /// Time for the rate to go from 0 to 1 or back [s].
+    pub ramp: T,
+    /// How long the last good force may stand in for a bad one [s].
+    pub hold: T,
+    /// Oldest reading that is still good [steps].
+    pub oldest_force: u32,
+}
+
+impl<T: Real> Damping<T> {
+    /// Damping [N s/m] for a mass [kg] at `stiffness` [N/m] where the primitive says `primitive` [N s/m].
+    #[inline]
+    pub(super) fn at(self, mass: T, stiffness: T, primitive: T) -> T {
+        match self {
+            Self::Primitive => primitive,
+            Self::Ratio { ratio, floor } => ((ratio + ratio) * (mass * stiffness).sqrt()).max(floor),
+        }
+    }
+}
+
+impl<T: Real + PartialOrd> AxisSettings<T> {
+    /// The second-order law over the gains of `primitives` and steps up to `longest_step` [s], where that is the law.
+    fn inertial<S: AsRef<[T]>>(
+        &self,
+        primitives: &AxisPrimitives<T, S>,
+        longest_step: T,
+    ) -> Result<Option<Inertial<T>>, ConfigError> {
+        let Law::SecondOrder { mass, damping } = self.law else { return Ok(None) };
+        error::positive("mass", mass)?;
+        if let Damping::Ratio { ratio, floor } = damping {
+            error::positive("damping.ratio", ratio)?;
+            error::positive("damping.floor", floor)?;
+        }
+        let stiffness = primitives.stiffness.max();
+        let largest = damping.at(mass, stiffness, primitives.damping.max());
+        Inertial::new(mass, stiffness, largest, longest_step).map(Some)
+    }
+}
+
+impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
+    /// Settings to start from: every axis gives way by the first-order law, readings are taken as they are, no tank.
+    ///
+    /// Trips at twice the force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of
+    /// 0.2 s, and for 20 ms the last good force stands in for one that is bad or more than 4 steps old.
+    pub fn compliant(limits: [Limits<T>; D]) -> Self {
+        let axis = |limits: Limits<T>| AxisSettings {
+            compliance: Compliance::Compliant,
+            law: Law::FirstOrder,
+            limits,
+            trip_force: limits.force + limits.force,
+            tracking: limits.offset,
+        };
+        let zero = [T::ZERO; D];
+        Self {
+            axes: limits.map(axis),
+            conditioning: ForceConditioning { tool_mass: T::ZERO, gravity: zero, cutoff: None, dead_zone: zero },
+            tank: None,
+            timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.2), hold: T::of(0.02), oldest_force: 4 },
+        }
+    }
+
+    /// Checks every value; returns the second-order law of each axis that has one.
+    pub(super) fn laws<S: AsRef<[T]>>(
+        &self,
+        primitives: &[AxisPrimitives<T, S>; D],
+    ) -> Result<[Option<Inertial<T>>; D], ConfigError> {
+        let Timing { longest_step, ramp, hold, .. } = self.timing;
+        error::positive("timing.longest_step", longest_step)?;
+        error::within("timing.longest_step", longest_step, 0.0, LARGEST)?;
+        error::positive("timing.ramp", ramp)?;
+        error::not_negative("timing.hold", hold)?;
+        self.conditioning.check()?;
+        let mut laws = [None; D];
+        for ((law, axis), primitives) in laws.iter_mut().zip(&self.axes).zip(primitives) {
+            axis.limits.check()?;
+            error::positive("trip_force", axis.trip_force)?;
+            error::positive("tracking", axis.tracking)?;
+            if let Compliance::Press(setpoint) = axis.compliance {
+                let largest = axis.limits.force.to_f64();
+                error::within("press", setpoint, -largest, largest)?;
+            }
+            *law = axis.inertial(primitives, longest_step)?;
+        }
+        Ok(laws)
+    }
+}

@@ -1,0 +1,135 @@
+//! Limits of one axis, applied last: whatever was asked for, a command keeps them.
+//!
+//! A command is a position p and the velocity v at which it got there, `v = (p - p_last)/h`. Of a velocity asked for:
+//! ```text
+//! velocity       |v| <= v_max
+//! workspace      v <= 2 a d/(a h + sqrt(a^2 h^2 + 2 a d))   d: distance to the wall ahead, a: a_max
+//! acceleration   |v - v_last| <= a h
+//! ```
+//! The second line is `v^2/(2 a) + v h <= d` solved for v: after the step there is still room to brake, whatever the
+//! next steps' lengths. So `v_last - a h` never breaks it, the three never contradict each other, and only motion
+//! towards a wall is cut.
+//!
+//! | symbol | name | unit |
+//! |---|---|---|
+//! | p, v | `position`, `velocity` | axis unit, axis unit/s |
+//! | v_max, a | `velocity`, `acceleration` | axis unit/s, axis unit/s^2 |
+//! | h | `dt` | s |
+
+use crate::{ConfigError, Real, error};
+
+/// No limit, force or time may be larger: the square of a larger one is no number in single precision.
+pub(crate) const LARGEST: f64 = 1e9;
+
+/// The limits of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits<T> {
+    /// Largest force that enters the model [N].
+    pub force: T,
+    /// Largest offset from the reference [axis unit].
+    pub offset: T,
+    /// Largest commanded velocity [axis unit/s].
+    pub velocity: T,
+    /// Largest change of the commanded velocity [axis unit/s^2].
+    pub acceleration: T,
+    /// Smallest and largest commanded position [axis unit].
+    pub position: [T; 2],
+}
+
+/// Which limits have cut a command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hits {
+    /// The force into the model.
+    pub force: bool,
+    /// The offset from the reference.
+    pub offset: bool,
+    /// The velocity.
+    pub velocity: bool,
+    /// The acceleration.
+    pub acceleration: bool,
+    /// The workspace.
+    pub position: bool,
+}
+
+impl Hits {
+    /// Whether a limit of motion was hit: not that of force.
+    pub fn any_motion(self) -> bool {
+        self.offset || self.velocity || self.acceleration || self.position
+    }
+}
+
+/// The fastest approach to a wall `distance` ahead that `acceleration` can still stop, over a step of `dt`.
+#[inline]
+pub(crate) fn approach<T: Real>(distance: T, acceleration: T, dt: T) -> T {
+    let room = acceleration * distance.max(T::ZERO);
+    let change = acceleration * dt;
+    (room + room) / (change + (change * change + room + room).sqrt())
+}
+
+/// `value` brought into `[min, max]`, and whether it had to be.
+#[inline]
+pub(crate) fn cut<T: Real + PartialOrd>(value: T, min: T, max: T) -> (T, bool) {
+    (value.max(min).min(max), value < min || value > max)
+}
+
+impl<T: Real + PartialOrd> Limits<T> {
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// [`ConfigError`] unless all are finite, at most 1e9, and positive, and the workspace has a width.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        for (field, value) in [
+            ("limits.force", self.force),
+            ("limits.offset", self.offset),
+            ("limits.velocity", self.velocity),
+            ("limits.acceleration", self.acceleration),
+        ] {
+            error::positive(field, value)?;
+            error::within(field, value, 0.0, LARGEST)?;
+        }
+        let [min, max] = self.position;
+        error::within("limits.position", min, -LARGEST, LARGEST)?;
+        error::within("limits.position", max, -LARGEST, LARGEST)?;
+        if min < max {
+            Ok(())
+        } else {
+            Err(ConfigError::MinAboveMax { field: "limits.position", min: min.to_f64(), max: max.to_f64() })
+        }
+    }
+
+    /// Whether an axis at `position` moving at `velocity` is within the limits, able to stop before the wall.
+    ///
+    /// # Errors
+    /// [`ConfigError`] that names the limit it breaks.
+    pub fn admit(&self, position: T, velocity: T) -> Result<(), ConfigError> {
+        let [min, max] = self.position;
+        error::within("position", position, min.to_f64(), max.to_f64())?;
+        error::within("velocity", velocity, -self.velocity.to_f64(), self.velocity.to_f64())?;
+        let wall = if velocity < T::ZERO { position - min } else { max - position };
+        let stop = velocity * velocity / (self.acceleration + self.acceleration);
+        error::within("stopping distance", stop, 0.0, wall.to_f64()).map(drop)
+    }
+
+    /// The velocity nearest to `wanted` that the limits allow an axis at `position` moving at `velocity` over `dt` [s].
+    ///
+    /// Keeps every limit if [`admit`](Self::admit) does and `dt` is positive; it then does so after the step too.
+    ///
+    /// ```
+    /// use hpf_core::limits::{Hits, Limits};
+    /// let limits = Limits { force: 50.0, offset: 0.1, velocity: 0.5, acceleration: 2.0, position: [0.0, 1.0] };
+    /// let (velocity, hits) = limits.velocity(0.3, 0.0, 10.0, 0.01); // from rest, 10 m/s is asked for
+    /// assert_eq!(velocity, 2.0 * 0.01);
+    /// assert_eq!(hits, Hits { velocity: true, acceleration: true, ..Hits::default() });
+    /// ```
+    #[inline]
+    pub fn velocity(&self, position: T, velocity: T, wanted: T, dt: T) -> (T, Hits) {
+        let [min, max] = self.position;
+        let change = self.acceleration * dt;
+        let (found, too_fast) = cut(wanted, -self.velocity, self.velocity);
+        let down = -approach(position - min, self.acceleration, dt);
+        let up = approach(max - position, self.acceleration, dt);
+        let (found, walled) = cut(found, down, up);
+        let (found, jerked) = cut(found, velocity - change, velocity + change);
+        (found, Hits { velocity: too_fast, position: walled, acceleration: jerked, ..Hits::default() })
+    }
+}

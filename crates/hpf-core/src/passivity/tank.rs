@@ -1,0 +1,84 @@
+//! The energy tank: a tool never gives more than it was given.
+//!
+//! ```text
+//! stiffness asked for above the last:  k' = min(k_des, k + 2 min(E_t - E_min, P h)/e^2),  E_t -= (k' - k) e^2/2
+//! below it:                            k' = k_des,                                        E_t += eta (k - k') e^2/2
+//! after the admittance step:           E_t += eta D,  or  E_t += D  where D < 0
+//! ```
+//! E_t never rises above its capacity. For every force and every k_des: `sum W >= -(E_t0 - E_min + S_0)`.
+//!
+//! | symbol | name | unit |
+//! |---|---|---|
+//! | E_t | `energy` in the tank, the whole state | J |
+//! | E_min | `reserve` that switching leaves alone | J |
+//! | eta | `refill`: share of dissipated energy that comes back | 1 |
+//! | P | `power`: the most that switching may put into one axis | W |
+//!
+//! Source: the tank of Ferraguti, Secchi, Fantuzzi, ICRA 2013, doi 10.1109/ICRA.2013.6630830, with exact books.
+
+use crate::{ConfigError, Real, error};
+
+/// Parameters of an energy tank; its state is one number, the energy in it.
+///
+/// ```
+/// use hpf_core::passivity::EnergyTank;
+/// let tank = EnergyTank::new(0.2_f64, 0.0, 0.9, 1e3)?;
+/// let mut energy = tank.capacity();
+/// // At 0.1 m, 0.2 J raise the stiffness by 2 0.2/0.1^2 = 40 N/m, and not by the 370 N/m asked for.
+/// let stiffness = tank.stiffness(&mut energy, 30.0, 400.0, 0.1, 1e-3);
+/// assert!((stiffness - 70.0).abs() < 1e-12 && energy.abs() < 1e-15);
+/// # Ok::<(), hpf_core::ConfigError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyTank<T> {
+    capacity: T,
+    reserve: T,
+    refill: T,
+    power: T,
+}
+
+impl<T: Real> EnergyTank<T> {
+    /// A tank of `capacity` [J] that keeps `reserve` [J], is refilled by the share `refill` of what is dissipated, and
+    /// raises the stiffness of an axis with `power` [W] at most.
+    ///
+    /// # Errors
+    /// [`ConfigError`] unless capacity and power are finite and positive, and `0 <= reserve <= capacity`,
+    /// `0 <= refill <= 1`.
+    pub fn new(capacity: T, reserve: T, refill: T, power: T) -> Result<Self, ConfigError> {
+        Ok(Self {
+            capacity: error::positive("tank.capacity", capacity)?,
+            reserve: error::within("tank.reserve", reserve, 0.0, capacity.to_f64())?,
+            refill: error::within("tank.refill", refill, 0.0, 1.0)?,
+            power: error::positive("tank.power", power)?,
+        })
+    }
+
+    /// The most the tank holds, and what it starts with [J].
+    pub fn capacity(&self) -> T {
+        self.capacity
+    }
+
+    /// What may be spent of `energy` [J].
+    #[inline]
+    pub fn available(&self, energy: T) -> T {
+        (energy - self.reserve).max(T::ZERO)
+    }
+
+    /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].
+    #[inline]
+    pub fn stiffness(&self, energy: &mut T, stiffness: T, wanted: T, offset: T, dt: T) -> T {
+        let square = offset * offset;
+        let paid = self.available(*energy).min(self.power * dt);
+        // At no offset any stiffness is free; 0/0 is NaN, and a NaN loses.
+        let allowed = wanted.min(stiffness + (paid + paid) / square);
+        self.book(energy, T::of(0.5) * (stiffness - allowed) * square);
+        allowed
+    }
+
+    /// Books `balance` [J]: what comes in, less the share that is lost; what goes out, in full.
+    #[inline]
+    pub fn book(&self, energy: &mut T, balance: T) {
+        let kept = balance.max(T::ZERO) * self.refill + balance.min(T::ZERO);
+        *energy = (*energy + kept).min(self.capacity);
+    }
+}
