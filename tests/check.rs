@@ -124,6 +124,49 @@ fn what_is_no_task_file_is_refused() {
 }
 
 #[test]
+fn bad_force_tables_are_answered_with_their_line() {
+    let folder = folder();
+    let text = read(task("reach.toml")).replace("kind = \"step\"", "kind = \"table\"\nfile = \"push.csv\"");
+    let text: Vec<&str> =
+        text.lines().filter(|line| !line.starts_with("amplitude") && !line.starts_with("start = 0.5")).collect();
+    std::fs::write(folder.path().join("pushed.toml"), text.join("\n")).unwrap();
+    for (table, words) in [
+        ("time_s,force_n\n0,1\n1,x\n", "push.csv:3:3: `x` is not a number"),
+        ("time_s,force_n\n0,1\n1\n", "push.csv:3:1: the row does not have two numbers"),
+        ("time_s,force_n\n0,1\n0,2\n", "push.csv:3:1: the time does not rise"),
+        ("time_s,force_n\n0,nan\n", "push.csv:2:1: a number is not finite"),
+        ("time_s,force_n\n", "push.csv:1:1: the table has no row"),
+        ("t,f\n0,1\n", "push.csv:1:1: the header must be time_s,force_n"),
+    ] {
+        std::fs::write(folder.path().join("push.csv"), table).unwrap();
+        let (_, stderr) = expect(2, folder.path(), &["check", "pushed.toml"]);
+        assert!(stderr.contains(words), "{words} is missing from {stderr}");
+    }
+    std::fs::remove_file(folder.path().join("push.csv")).unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["check", "pushed.toml"]);
+    assert!(stderr.contains("push.csv: there is no such file"), "{stderr}");
+}
+
+#[test]
+fn a_full_stderr_or_stdout_changes_no_exit_code_but_a_lost_result_does() {
+    let folder = folder();
+    let full = || std::fs::File::create("/dev/full").unwrap();
+    let run = |arguments: &[&str]| crate::support::command(folder.path(), arguments);
+    assert_eq!(run(&["check", "nowhere.toml"]).stderr(full()).status().unwrap().code(), Some(2));
+    let learn = ["learn", &task("reach.toml")];
+    assert_eq!(run(&learn).stderr(full()).stdout(std::process::Stdio::null()).status().unwrap().code(), Some(0));
+    assert_eq!(
+        run(&["check", &task("reach.toml")])
+            .stdout(full())
+            .stderr(std::process::Stdio::null())
+            .status()
+            .unwrap()
+            .code(),
+        Some(1)
+    );
+}
+
+#[test]
 fn overrides_are_checked_like_the_file() {
     let folder = folder();
     let file = task("via_point.toml");

@@ -51,9 +51,58 @@ fn an_empty_directory_may_be_filled() {
 fn a_broken_off_run_is_discarded_only_when_asked() {
     let folder = folder();
     fs::create_dir(folder.path().join("run.partial")).unwrap();
+    fs::write(folder.path().join("run.partial/task.toml"), "of a run that was killed").unwrap();
     let (_, stderr) = learn(folder.path(), 2, &["--out", "run"]);
     assert!(stderr.contains("run.partial"), "{stderr}");
     learn(folder.path(), 0, &["--out", "run", "--force"]);
+}
+
+#[test]
+fn what_only_looks_like_a_broken_off_run_is_left_alone() {
+    let folder = folder();
+    for name in ["run.partial", "run.replaced", "run.replaced-0"] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        fs::write(folder.path().join(name).join("chapter1.txt"), "years of work").unwrap();
+    }
+    let (_, stderr) = learn(folder.path(), 2, &["--out", "run", "--force"]);
+    assert!(stderr.contains("run.partial"), "{stderr}");
+    fs::rename(folder.path().join("run.partial"), folder.path().join("thesis")).unwrap();
+    learn(folder.path(), 0, &["--out", "run"]);
+    learn(folder.path(), 0, &["--out", "run", "--force"]);
+    for name in ["thesis", "run.replaced", "run.replaced-0"] {
+        assert_eq!(read(folder.path().join(name).join("chapter1.txt")), "years of work");
+    }
+}
+
+#[test]
+fn two_runs_do_not_share_a_place() {
+    let folder = folder();
+    let long = ["learn", &task("cantilever.toml"), "--out", "run", "--quiet", "--set", "learning.updates=1000000"];
+    let long = [&long[..], &["--set", "learning.max_rollouts=100000000", "--set", "accept={}"]].concat();
+    let mut first = crate::support::command(folder.path(), &long).spawn().unwrap();
+    let lock = folder.path().join("run.partial/snapshots");
+    while !lock.exists() {
+        std::thread::sleep(core::time::Duration::from_millis(5));
+    }
+    for force in [&[][..], &["--force"]] {
+        let (_, stderr) = learn(folder.path(), 2, &[&["--out", "run"], force].concat());
+        assert!(stderr.contains("a run that is going on"), "{stderr}");
+    }
+    Command::new("kill").args(["-INT", &first.id().to_string()]).status().unwrap();
+    assert_eq!(first.wait().unwrap().code(), Some(130));
+    expect(0, folder.path(), &["run", "run"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_leads_to_where_the_results_go() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("disk")).unwrap();
+    std::os::unix::fs::symlink("disk", folder.path().join("run")).unwrap();
+    learn(folder.path(), 0, &["--out", "run"]);
+    learn(folder.path(), 0, &["--out", "run", "--force", "--seed", "2"]);
+    assert!(folder.path().join("run").is_symlink());
+    assert!(read(folder.path().join("disk/task.toml")).contains("seed = 2"));
 }
 
 #[test]
@@ -69,11 +118,18 @@ fn a_place_that_cannot_be_written_is_named_and_nothing_is_left() {
 /// Needs the right to mount a file system of a given size; where it is missing, the test says so and ends.
 #[test]
 fn a_full_disk_is_reported_and_leaves_nothing_half_written() {
+    // Full at the first tables, at the log, in the middle of the figures.
+    for size in ["size=64k", "size=160k", "size=300k"] {
+        full_disk(size);
+    }
+}
+
+fn full_disk(size: &str) {
     let folder = folder();
     let disk = folder.path().join("disk");
     fs::create_dir(&disk).unwrap();
     let disk_name = disk.display().to_string();
-    let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs", &disk_name]).output();
+    let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", size, "tmpfs", &disk_name]).output();
     if !mounted.is_ok_and(|output| output.status.success()) {
         eprintln!("skipped: no right to mount a small disk here");
         return;
@@ -83,9 +139,11 @@ fn a_full_disk_is_reported_and_leaves_nothing_half_written() {
         let (_, stderr) = learn(Path::new("."), 1, &["--out", &out]);
         assert!(stderr.contains("cannot write") && stderr.contains("space"), "{stderr}");
         assert!(!Path::new(&out).exists(), "no result under its final name");
-        for entry in fs::read_dir(disk_name.clone() + "/run.partial").into_iter().flatten() {
-            let name = entry.unwrap().file_name();
-            assert!(!name.to_string_lossy().ends_with(".csv.partial"), "half-written: {name:?}");
+        for folder in ["/run.partial", "/run.partial/plots", "/run.partial/snapshots"] {
+            for entry in fs::read_dir(disk_name.clone() + folder).into_iter().flatten() {
+                let name = entry.unwrap().file_name();
+                assert!(!name.to_string_lossy().contains(".partial"), "half-written: {name:?}");
+            }
         }
     });
     Command::new("umount").arg(&disk).status().expect("umount starts");

@@ -31,7 +31,7 @@ Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [ac
 #[derive(Args, Debug)]
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: Option<u64>,
     /// Threads for rollouts; the results are the same for any number [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -102,7 +102,7 @@ pub struct Simulate {
     #[arg(long, value_name = "TASK")]
     pub task: Option<PathBuf>,
     /// Control rate [Hz] [default: the task's]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Override a key of the environment: disturbance, contact, via_point, cost, accept, rate
     #[arg(long, value_name = "KEY.PATH=VALUE")]

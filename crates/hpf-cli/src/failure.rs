@@ -36,6 +36,15 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The same failure with one more line to say.
+    pub fn with(self, line: &str) -> Self {
+        match self {
+            Self::Input(message) => Self::Input(format!("{message}\n{line}")),
+            Self::Report(message) => Self::Report(format!("{message}\n{line}")),
+            Self::Work(message) => Self::Work(format!("{message}\n{line}")),
+        }
+    }
+
     /// The exit code that goes with it.
     pub fn exit_code(&self) -> ExitCode {
         match self {

@@ -42,9 +42,11 @@ fn figures(run: &Run) -> Vec<(&'static str, Kind<'_>)> {
         ("damping.png", Box::new(|| gain::damping(run))),
     ];
     let axes = &run.task.axis;
+    if run.task.contact.is_none() || !run.task.disturbance.is_empty() {
+        figures.push(("disturbance.png", Box::new(|| signals::disturbance(run))));
+    }
     match &run.task.contact {
         None => {
-            figures.push(("disturbance.png", Box::new(|| signals::disturbance(run))));
             if axes.len() == 2 && axes.iter().all(|axis| axis.unit == Unit::M) {
                 figures.push(("path.png", Box::new(|| plane::path(run))));
             } else {
@@ -85,8 +87,11 @@ pub fn draw(run: &Run, folder: &Path) -> Result<Vec<String>, Failure> {
         let path = folder.join(name);
         // The encoder goes by the ending of the name, so the temporary one keeps it.
         let temporary = path.with_extension("partial.png");
-        canvas::draw(figure(), &run.task.name, &temporary).map_err(while_writing(&path))?;
-        fs::rename(&temporary, &path).map_err(while_writing(&path))?;
+        let drawn = canvas::draw(figure(), &run.task.name, &temporary).map_err(while_writing(&path));
+        drawn.and_then(|()| fs::rename(&temporary, &path).map_err(while_writing(&path))).inspect_err(|_| {
+            // The error to report is the first one; a leftover is removed as far as possible.
+            let _ = fs::remove_file(&temporary);
+        })?;
         Ok(name.to_owned())
     };
     figures(run).into_par_iter().map(draw).collect()

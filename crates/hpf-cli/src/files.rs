@@ -2,7 +2,7 @@
 
 use core::fmt::Display;
 use std::fs::{self, File};
-use std::io::{self, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::Path;
 
 use hpf_sim::Policy;
@@ -45,17 +45,19 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 
 fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
     let say = |what: String| Failure::Input(format!("{}: {what}", path.display()));
-    let metadata = fs::metadata(path).map_err(|error| match error.kind() {
+    let file = File::open(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => say("there is no such file".into()),
         _ => say(error.to_string()),
     })?;
-    if metadata.is_dir() {
+    if path.is_dir() {
         return Err(say("this is a directory, a file is wanted".into()));
     }
-    if metadata.len() > limit {
-        return Err(say(format!("{} bytes, at most {limit} are read", metadata.len())));
+    // A device tells no length: what is read is what counts.
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| say(error.to_string()))?;
+    if bytes.len() as u64 > limit {
+        return Err(say(format!("more than {limit} bytes, which is the most that is read")));
     }
-    let bytes = fs::read(path).map_err(|error| say(error.to_string()))?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -91,13 +93,35 @@ pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failur
 fn read_table(path: &Path) -> Result<Samples, Failure> {
     let text = read_text(path)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-    let header = reader.headers().map_err(in_file(path))?;
+    let place = |line: u64, column: usize, what: &str| {
+        Failure::Input(format!(
+            "{}:{line}:{column}: {what}; rows are a time [s] and a force [N], such as 0.5,10",
+            path.display()
+        ))
+    };
+    let header = reader.headers().map_err(|error| place(1, 1, &error.to_string()))?;
     if !header.iter().eq(["time_s", "force_n"]) {
-        let found = header.iter().collect::<Vec<_>>().join(",");
-        return Err(in_file(path)(format!("1:1: the header must be time_s,force_n, not {found}")));
+        return Err(place(1, 1, "the header must be time_s,force_n"));
     }
-    let rows: Result<Vec<(f64, f64)>, _> = reader.deserialize().collect();
-    Samples::new(&rows.map_err(in_file(path))?).map_err(in_file(path))
+    let (mut rows, mut lines) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            place(error.position().map_or(1, csv::Position::line), 1, "the row does not have two numbers")
+        })?;
+        let line = record.position().map_or(1, csv::Position::line);
+        let number = |field: usize| {
+            let column = 1 + record.iter().take(field).map(|text| text.len() + 1).sum::<usize>();
+            record[field]
+                .parse::<f64>()
+                .map_err(|_| place(line, column, &format!("`{}` is not a number", &record[field])))
+        };
+        rows.push((number(0)?, number(1)?));
+        lines.push(line);
+    }
+    Samples::new(&rows).map_err(|error| {
+        let line = error.row().and_then(|row| lines.get(row)).copied().unwrap_or(1);
+        place(line, 1, &error.to_string())
+    })
 }
 
 /// Reads and checks a policy file.
@@ -120,9 +144,6 @@ pub fn sha256(text: &str) -> String {
 /// [`Failure::Work`] that names the file.
 pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
     let write = || -> io::Result<()> {
-        if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
-        }
         let temporary = path.with_added_extension("partial");
         let mut file = File::create(&temporary)?;
         let written = file.write_all(bytes.as_ref()).and_then(|()| file.sync_all());

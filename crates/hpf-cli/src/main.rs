@@ -17,6 +17,7 @@ mod results;
 mod style;
 mod summary;
 
+use std::io::{Write as _, stderr};
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -27,7 +28,8 @@ fn main() -> ExitCode {
     match commands::run(&arguments) {
         Ok(outcome) => outcome.into(),
         Err(failure) => {
-            eprintln!("{failure}");
+            // Where stderr is full or closed, the exit code still tells.
+            let _ = writeln!(stderr(), "{failure}");
             failure.exit_code()
         }
     }

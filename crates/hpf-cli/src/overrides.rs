@@ -21,7 +21,9 @@ fn set(root: &mut dyn TableLike, one: &str) -> Result<(), String> {
         return Err("write it as key.path=value, such as learning.updates=100".into());
     };
     let (path, value) = (path.trim(), value.trim());
-    let is_word = !value.is_empty() && value.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
+    // What begins like a number is meant as one.
+    let is_word = value.starts_with(|c: char| c.is_alphabetic() || "_/.".contains(c))
+        && !value.contains(['"', '\'', '[', '{', ',']);
     let value = match value.parse() {
         Ok(value) => value,
         // A shell takes the quotes off: a bare word stands for a text.
@@ -107,7 +109,18 @@ mod tests {
 
     #[test]
     fn what_leads_nowhere_is_refused() {
-        for one in ["rate", "=1", "a..b=1", "axis.1.name=y", "axis.name=y", "rate.x=1", "rate=[", "rate="] {
+        for one in [
+            "rate",
+            "=1",
+            "a..b=1",
+            "axis.1.name=y",
+            "axis.name=y",
+            "rate.x=1",
+            "rate=[",
+            "rate=",
+            "rate=1e999x",
+            "rate=99999999999999999999",
+        ] {
             assert!(apply(TEXT, &[one.to_owned()]).is_err(), "{one}");
         }
     }

@@ -1,14 +1,21 @@
 //! How far learning has come, on stderr.
 
 use core::time::Duration;
-use std::io::{IsTerminal as _, stderr};
+use std::io::{IsTerminal as _, Write as _, stderr};
 use std::time::Instant;
 
 use hpf_learn::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use crate::render::number;
+
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(2);
+
+/// Writes a line to stderr; where that is full or closed, work goes on.
+fn tell(line: &str) {
+    let _ = writeln!(stderr(), "{line}");
+}
 
 /// A bar on a terminal, a plain line now and then elsewhere, nothing when quiet.
 pub enum Meter {
@@ -32,7 +39,7 @@ impl Meter {
             return Self::Quiet;
         }
         if !stderr().is_terminal() {
-            eprintln!("learning {name}: {updates} updates of {rollouts} rollouts");
+            tell(&format!("learning {name}: {updates} updates of {rollouts} rollouts"));
             return Self::Lines { updates, last: Instant::now() };
         }
         let bar = ProgressBar::with_draw_target(Some(updates as u64), ProgressDrawTarget::stderr());
@@ -52,12 +59,12 @@ impl Meter {
             Self::Quiet => {}
             Self::Bar(bar) => {
                 bar.set_position(progress.update as u64);
-                bar.set_message(format!("{:.4}", progress.total));
+                bar.set_message(number(progress.total));
             }
             Self::Lines { updates, last } => {
                 let is_last = progress.update == *updates;
                 if progress.update == 0 || is_last || last.elapsed() >= INTERVAL {
-                    eprintln!("update {}/{updates}: cost {:.4}", progress.update, progress.total);
+                    tell(&format!("update {}/{updates}: cost {}", progress.update, number(progress.total)));
                     *last = Instant::now();
                 }
             }

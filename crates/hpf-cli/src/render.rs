@@ -11,10 +11,16 @@ use serde_json::Value;
 use crate::summary::Summary;
 
 /// The deviation that the paper claims for its cantilever [m].
-pub const PAPER_DEVIATION: f64 = 0.15e-3;
+const PAPER_DEVIATION: f64 = 0.15e-3;
+
+/// The deviation that the paper claims for `task` [m], if it is on the paper's curve.
+pub fn paper_deviation(task: &Task) -> Option<f64> {
+    let is_paper_curve = matches!(&task.contact, Some(Contact::Cantilever(beam)) if beam.curve == Curve::TipLoad);
+    is_paper_curve.then_some(PAPER_DEVIATION)
+}
 
 /// A number with four digits that count, without exponent where it is readable.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
@@ -50,7 +56,6 @@ pub fn costs(summary: &Summary) -> String {
 /// Measures with their targets, ranges of stiffness and damping last.
 pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
     let mut text = format!("{:<20} {:>14}   {}\n", "measure", "value", "target");
-    let is_paper_curve = matches!(&task.contact, Some(Contact::Cantilever(beam)) if beam.curve == Curve::TipLoad);
     for metric in
         metrics.iter().filter(|metric| !metric.name.starts_with("stiffness") && !metric.name.starts_with("damping"))
     {
@@ -59,8 +64,8 @@ pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
             let verdict = if pass { "pass" } else { "MISSED" };
             let _ = write!(text, "   {verdict}, at most {}", measure(target, metric.unit));
         }
-        if metric.name == "max_deviation" && is_paper_curve {
-            let _ = write!(text, " (the paper: {})", measure(PAPER_DEVIATION, metric.unit));
+        if let ("max_deviation", Some(claim)) = (metric.name, paper_deviation(task)) {
+            let _ = write!(text, " (the paper: {})", measure(claim, metric.unit));
         }
         text.push('\n');
     }

@@ -119,7 +119,11 @@ pub fn learn<P: Problem>(
         );
         match learner.tell(&batch, &costs) {
             Ok(rejected) => history.rejected += rejected,
-            Err(reason) => return Err(LearnError::Update { reason, history: Box::new(history) }),
+            Err(reason) => {
+                history.rollouts += options.rollouts;
+                history.rejected += options.rollouts;
+                return Err(LearnError::Update { reason, history: Box::new(history) });
+            }
         }
         history.updates += 1;
         history.rollouts += options.rollouts + 1;

@@ -5,7 +5,7 @@ use crate::simulation::Simulation;
 use crate::task::Unit;
 use crate::trace::{AxisTrace, Trace};
 
-/// How long a contact may take to settle before its force is judged [s].
+/// How long a motion may take to settle before its contact force is judged [s].
 pub const SETTLING_TIME: f64 = 0.1;
 
 /// One measure of a motion.
@@ -39,12 +39,11 @@ impl Simulation {
         let rotary = self.task.axis.iter().any(|axis| axis.unit == Unit::Rad);
         let linear = self.task.axis.iter().any(|axis| axis.unit == Unit::M);
         // Where axes of both kinds come together, a distance over all of them has no unit.
-        let units: [&str; 5] = match (linear, rotary) {
-            (true, false) => ["m", "m/s", "N", "N/m", "N s/m"],
-            (false, true) => ["rad", "rad/s", "N m", "N m/rad", "N m s/rad"],
-            _ => [""; 5],
+        let [length, speed, stiffness, damping] = match (linear, rotary) {
+            (true, false) => ["m", "m/s", "N/m", "N s/m"],
+            (false, true) => ["rad", "rad/s", "N m/rad", "N m s/rad"],
+            _ => [""; 4],
         };
-        let [length, speed, force, stiffness, damping] = units;
         let steps = trace.steps();
         let metric = |name, unit, value, target| Metric { name, unit, value, target };
         let mut metrics = Vec::new();
@@ -53,6 +52,8 @@ impl Simulation {
         };
 
         if let (Some(contact), Some(task_contact)) = (&trace.contact, &self.task.contact) {
+            // A contact is along a linear axis, whatever the others are.
+            let (length, force) = ("m", "N");
             let deviation = largest(contact.deviation.iter().map(|deviation| deviation.abs()));
             metrics.push(metric("max_deviation", length, deviation, accept.max_deviation));
             let settled = trace.time.iter().zip(&contact.force).filter(|(time, _)| **time >= SETTLING_TIME);
@@ -93,7 +94,7 @@ impl Simulation {
     }
 }
 
-/// The largest of some numbers; NaN if one of them is.
+/// The largest of some numbers; NaN if one of them is, or there is none.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(f64::NEG_INFINITY, |most, value| if value.is_nan() || value > most { value } else { most })
+    values.reduce(|most, value| if value.is_nan() || value > most { value } else { most }).unwrap_or(f64::NAN)
 }

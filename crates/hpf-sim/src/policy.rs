@@ -265,6 +265,9 @@ impl Policy {
         }
         for (i, axis) in self.axes.iter().enumerate() {
             let place = format!("axes[{i}]");
+            if self.axes[..i].iter().any(|other| other.name == axis.name) {
+                return Err(value_error(format!("{place}.name"), format!("two axes are called `{}`", axis.name)));
+            }
             let movement = &axis.movement;
             check_basis(&format!("{place}.movement"), &movement.centers, &movement.widths, &movement.weights)?;
             if (movement.beta - 0.25 * movement.alpha).abs() > 1e-12 * movement.alpha.abs() {

@@ -13,7 +13,7 @@ use crate::cost::{CostModel, Term};
 use crate::environment::disturbance::Side;
 use crate::environment::{Disturbance, Surface};
 use crate::policy::Policy;
-use crate::task::Task;
+use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
 
 /// Why a skill cannot be simulated in a task.
@@ -29,6 +29,14 @@ pub enum SimulationError {
         policy: String,
         /// Names in the task.
         task: String,
+    },
+    /// The tables would not fit into memory.
+    #[error("{steps} steps of {parameters} parameters are too much, at most {MAX_NUMBERS} numbers fit: lower the rate")]
+    TooLarge {
+        /// Steps of one rollout.
+        steps: usize,
+        /// Parameters of the policy.
+        parameters: usize,
     },
     /// The policy takes another time.
     #[error("the policy takes {policy} s, the task {task} s")]
@@ -120,6 +128,10 @@ impl Simulation {
             return Err(SimulationError::Duration { policy: policy.duration_s, task: task.duration });
         }
         let steps = task.steps();
+        let parameters = policy.weights().len();
+        if steps.saturating_mul(parameters) > MAX_NUMBERS {
+            return Err(SimulationError::TooLarge { steps, parameters });
+        }
         let duration = policy.duration_s;
         let dt = duration / steps as f64;
         let phase = policy.phase()?;
@@ -233,16 +245,16 @@ impl Simulation {
                 axis.damping[i] = self.damping.mix(2 * i, &row[stiffness_end..end]);
             }
             self.roll_reference(model, |i| &parameters.at(i)[start..movement_end], axis);
-            let lambda = |i: usize| {
+            let middle = |i: usize| {
                 let row = parameters.at(i);
                 let stiffness = self.stiffness.mix(2 * i + 1, &row[movement_end..stiffness_end]);
                 (stiffness, self.damping.mix(2 * i + 1, &row[stiffness_end..end]))
             };
             match (&self.contact, &mut trace.contact) {
                 (Some(contact), Some(signals)) if contact.axis == a => {
-                    self.roll_contact(model, contact, lambda, axis, signals);
+                    self.roll_contact(model, contact, middle, axis, signals);
                 }
-                _ => self.roll_offset(model, lambda, axis),
+                _ => self.roll_offset(model, middle, axis),
             }
         }
     }

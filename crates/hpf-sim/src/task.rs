@@ -418,10 +418,10 @@ pub struct Accept {
     /// Largest deviation from the curve of the contact [m].
     #[schemars(range(min = 0))]
     pub max_deviation: Option<f64>,
-    /// Largest error of the contact force after its first 0.1 s [N].
+    /// Largest error of the contact force after the first 0.1 s of the motion [N].
     #[schemars(range(min = 0))]
     pub max_force_error: Option<f64>,
-    /// Longest time without contact [s].
+    /// Time without contact, all of it together [s].
     #[schemars(range(min = 0))]
     pub max_contact_loss: Option<f64>,
     /// Largest distance to a via point at its time [m].

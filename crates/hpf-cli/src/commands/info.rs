@@ -14,7 +14,10 @@ pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
     let path = &options.file;
     let has_extension = |name: &str| path.extension().is_some_and(|extension| extension == name);
     if path.is_dir() {
-        return run_directory(path, common);
+        return summary(&path.join("summary.json"), common);
+    }
+    if path.file_name().is_some_and(|name| name == "summary.json") {
+        return summary(path, common);
     }
     if has_extension("mcap") || path.to_string_lossy().ends_with(".mcap.partial") {
         let contents = log::summarize(path).map_err(in_file(path))?;
@@ -24,11 +27,10 @@ pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
     super::check::check(&Check { file: path.clone(), set: Vec::new() }, common)
 }
 
-fn run_directory(path: &Path, common: &Common) -> Result<Outcome, Failure> {
-    let file = path.join("summary.json");
-    let summary: Value = serde_json::from_str(&read_text(&file)?).map_err(in_file(&file))?;
+fn summary(file: &Path, common: &Common) -> Result<Outcome, Failure> {
+    let summary: Value = serde_json::from_str(&read_text(file)?).map_err(in_file(file))?;
     if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
-        return Err(in_file(&file)("this is not a summary of version 1"));
+        return Err(in_file(file)("this is not a summary of version 1"));
     }
     say(&if common.json { format!("{summary:#}\n") } else { render::summary(&summary) })?;
     Ok(Outcome::Done)

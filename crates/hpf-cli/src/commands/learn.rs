@@ -110,7 +110,7 @@ impl Learned {
         }
         let (history, failure) = match learned {
             Ok(history) => (history, None),
-            Err(LearnError::BadStart) => return Err(Failure::Work(format!("{}: {}", task.name, LearnError::BadStart))),
+            Err(LearnError::BadStart) => return Err(bad_task(&LearnError::BadStart)),
             Err(LearnError::Update { reason, history }) => (*history, Some(reason.to_string())),
         };
         let mut policy = start.with_weights(&history.best.weights);

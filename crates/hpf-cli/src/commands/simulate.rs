@@ -31,6 +31,12 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     let trajectory = simulation.rollout(&weights);
     let cost = simulation.cost(&trajectory);
     let price = (cost.total(), cost.terms.clone());
+    if !price.0.is_finite() {
+        return Err(Failure::Input(format!(
+            "{}: the motion has no finite cost in this environment",
+            policy_path.display()
+        )));
+    }
     let row = LearningRow { update: 0, rollouts: 1, total: price.0, terms: cost.terms, exploration: 0.0 };
     let run = Run { task: loaded.task.clone(), policy, learning: vec![row], trajectory, snapshots: Vec::new() };
     let mut summary = Summary {

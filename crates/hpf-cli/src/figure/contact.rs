@@ -1,8 +1,6 @@
 //! Contact: deviation from the surface under the set-point force, and the force itself.
 
 use hpf_sim::ContactTrace;
-use hpf_sim::environment::Contact;
-use hpf_sim::task::Unit;
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Panel};
@@ -10,10 +8,9 @@ use super::motions::{Length, Motion, learned, motions};
 use super::number::short;
 use super::palette::{GREEN, Pen, VERMILLION, tint};
 use super::signals::time_axis;
+use crate::render::paper_deviation;
 use crate::results::Run;
 
-/// What the paper claims for its beam [m].
-const PAPER_DEVIATION: f64 = 0.15e-3;
 /// An earlier motion is shown where it makes the range of the panel at most this many times larger.
 const WIDEST: f64 = 4.0;
 /// Where the learned motion in contact takes less than this share of the panel, it is drawn once more, enlarged.
@@ -22,7 +19,7 @@ const SMALL_SHARE: f64 = 0.3;
 /// Draws the deviation over time.
 pub fn deviation(run: &Run) -> Figure {
     let deviations = || run.trajectory.contact.iter().flat_map(|contact| &contact.deviation).copied();
-    let band = matches!(run.task.contact, Some(Contact::Cantilever(_))).then_some(PAPER_DEVIATION);
+    let band = paper_deviation(&run.task);
     let length = fitting(run, deviations().chain(band));
     let frame = band.map_or((0.0, 0.0), |band| (-band, band));
     let mut panel = compare(run, "deviation", length, frame, |contact| &contact.deviation);
@@ -69,10 +66,7 @@ fn fitting(run: &Run, values: impl Iterator<Item = f64>) -> Length {
 
 /// Draws the contact force over time.
 pub fn force(run: &Run) -> Figure {
-    let unit = match axis_of(run) {
-        Some(axis) if axis.unit == Unit::Rad => "N m",
-        _ => "N",
-    };
+    let unit = "N";
     let set_point = run.trajectory.contact.as_ref().map_or(0.0, |contact| contact.set_point);
     let length = Length { factor: 1.0, unit };
     let mut panel = compare(run, "contact force", length, (set_point, set_point), |contact| &contact.force);

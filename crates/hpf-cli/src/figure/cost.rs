@@ -75,7 +75,7 @@ fn range(rows: &[LearningRow]) -> (f64, f64) {
     let (least, most) = totals.unwrap_or((1.0, 1.0));
     let terms = rows.iter().flat_map(|row| &row.terms).copied().filter(positive);
     let smallest = span(terms).map_or(least, |(low, _)| low.min(least)).max(DEPTH * least);
-    (smallest / 1.5, most * 1.5)
+    ((smallest / 1.5).max(f64::MIN_POSITIVE), (most * 1.5).min(f64::MAX))
 }
 
 fn is_weighed(task: &Task, term: Term) -> bool {

@@ -36,6 +36,15 @@ fn draw(
     let learned = learned(run);
     let mut name = quantity.to_owned();
     name[..1].make_ascii_uppercase();
+    // The middle of the profile and half of what it spans.
+    let core = |i: usize| {
+        let start = gain.initial.of(i);
+        let (low, high) = span(signal(&learned.trace.axes[i]).iter().copied().chain([start])).unwrap_or((start, start));
+        // A tenth of the value, so that rounding in a constant profile is not blown up.
+        (0.5 * (low + high), 0.5 * (high - low).max(0.1 * high.abs()))
+    };
+    // All panels show their bounds, or none does: profiles are compared by their height.
+    let fits = (0..run.task.axis.len()).all(|i| gain.max.of(i) - gain.min.of(i) <= WIDEST_BOUNDS * 2.0 * core(i).1);
     let panels = run.task.axis.iter().enumerate().map(|(i, axis)| {
         let (min, max, start) = (gain.min.of(i), gain.max.of(i), gain.initial.of(i));
         let after = signal(&learned.trace.axes[i]);
@@ -43,11 +52,7 @@ fn draw(
         let pen = Pen { width: 5.0, ..Pen::dashed(GREY) };
         let before = initial(run).map_or(Layer::level(start, pen), |trace| before(trace, pen));
 
-        let (low, high) = span(after.iter().copied().chain([start])).unwrap_or((start, start));
-        // A tenth of the value, so that rounding in a constant profile is not blown up.
-        let least = 0.1 * high.abs();
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low).max(least));
-        let fits = max - min <= WIDEST_BOUNDS * 2.0 * half;
+        let (middle, half) = core(i);
         let range = padded(if fits { [min, max] } else { [middle - half, middle + half] });
         let shade = Pen::thin(SHADE);
         let mut layers = Vec::new();

@@ -80,5 +80,5 @@ impl fmt::Display for Summary {
 
 /// A time [ns] in s.
 fn seconds(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 * 1e-9
+    nanoseconds as f64 / 1e9
 }

@@ -5,7 +5,7 @@ use core::fmt::Display;
 use super::keys::Document;
 use super::{
     Diagnostic, ExplorationKind, Gain, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Preset,
-    Scaling, Task,
+    Scaling, Task, Unit,
 };
 
 /// Appends every contradiction in `task` to `found`.
@@ -77,10 +77,10 @@ impl Rules<'_, '_, '_> {
         if !(self.task.duration > 0.0 && self.task.rate > 0.0 && steps.is_finite()) {
             return;
         }
-        let product = format!("{} s at {} Hz make", self.task.duration, self.task.rate);
+        let product = format!("{} s at {} Hz make", plain(self.task.duration), plain(self.task.rate));
         if steps > MAX_STEPS as f64 {
             let help = format!("duration times rate is the number of steps, at most {MAX_STEPS}");
-            self.say("rate", format!("{product} {steps:.0} steps"), help);
+            self.say("rate", format!("{product} {} steps", plain(steps.round())), help);
         } else if (steps - steps.round()).abs() > 1e-6 * steps {
             let help = "duration times rate is the number of steps and must be a whole number";
             self.say("rate", format!("{product} {steps} steps"), help);
@@ -200,6 +200,10 @@ impl Rules<'_, '_, '_> {
                 self.say(&path, format!("there is no axis `{axis}`"), format!("the axes are: {}", names.join(", ")));
             }
         }
+        let touched = self.task.contact.as_ref().and_then(|contact| self.task.axis_index(contact.axis()));
+        if touched.is_some_and(|axis| self.task.axis[axis].unit == Unit::Rad) {
+            self.say("contact.axis", "a contact on an axis in rad", "a contact is in m and N: name an axis in m");
+        }
     }
 
     fn via_points(&mut self) {
@@ -267,9 +271,12 @@ impl Rules<'_, '_, '_> {
         let bases = [task.movement.basis, task.stiffness.basis, task.damping.basis];
         let parameters = task.axis.len() as f64 * bases.iter().map(|&count| count as f64).sum::<f64>();
         let rollouts = learning.rollouts as f64;
+        // Seven signals per axis, in every trajectory that is kept.
+        let signals = 7.0 * task.axis.len() as f64 * (1.0 + task.output.snapshots.len() as f64);
         let paper = learning.preset == Preset::Paper && learning.exploration.is_none();
         let tables = [
             ("rate", "parameters at every step", steps * parameters, true),
+            ("rate", "signals of every kept trajectory", steps * signals, true),
             ("learning.rollouts", "costs of every rollout and step", steps * rollouts, true),
             (
                 "learning.rollouts",
@@ -288,7 +295,7 @@ impl Rules<'_, '_, '_> {
 
     fn learning(&mut self) {
         let learning = &self.task.learning;
-        let least = learning.rollouts + 2;
+        let least = learning.rollouts.saturating_add(2);
         if learning.max_rollouts.is_some_and(|max| max < least) {
             let help = format!(
                 "at least {least}: one motion before learning, {} of the first update, one after it",
@@ -297,7 +304,13 @@ impl Rules<'_, '_, '_> {
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }
         for (i, &update) in self.task.output.snapshots.iter().enumerate() {
-            if learning.updates > 0 && update > learning.updates {
+            if self.task.output.snapshots[..i].contains(&update) {
+                self.say(
+                    &format!("output.snapshots.{i}"),
+                    format!("update {update} is kept twice"),
+                    "name each update once",
+                );
+            } else if learning.updates > 0 && update > learning.updates {
                 let help = format!("snapshots lie between 0 and learning.updates = {}", learning.updates);
                 self.say(&format!("output.snapshots.{i}"), format!("there is no update {update} to keep"), help);
             }
@@ -315,4 +328,9 @@ fn element(path: &str, value: &PerAxis, i: usize) -> String {
 
 fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
+}
+
+/// A number without hundreds of noughts.
+fn plain(value: f64) -> String {
+    if value < 1e15 { value.to_string() } else { format!("{value:e}") }
 }

@@ -30,17 +30,27 @@ pub enum TableError {
     #[error("the table has no row")]
     Empty,
     /// A number is infinite or NaN.
-    #[error("row {row}: not a finite number")]
+    #[error("a number is not finite")]
     NotFinite {
-        /// Counted from 1.
+        /// Counted from 0.
         row: usize,
     },
     /// A time is not above the one before.
-    #[error("row {row}: the time does not rise")]
+    #[error("the time does not rise")]
     NotRising {
-        /// Counted from 1.
+        /// Counted from 0.
         row: usize,
     },
+}
+
+impl TableError {
+    /// The row it is about, counted from 0.
+    pub fn row(&self) -> Option<usize> {
+        match *self {
+            Self::Empty => None,
+            Self::NotFinite { row } | Self::NotRising { row } => Some(row),
+        }
+    }
 }
 
 impl Samples {
@@ -55,10 +65,10 @@ impl Samples {
         let mut last = f64::NEG_INFINITY;
         for (index, &(time, force)) in rows.iter().enumerate() {
             if !time.is_finite() || !force.is_finite() {
-                return Err(TableError::NotFinite { row: index + 1 });
+                return Err(TableError::NotFinite { row: index });
             }
             if time <= last {
-                return Err(TableError::NotRising { row: index + 1 });
+                return Err(TableError::NotRising { row: index });
             }
             last = time;
         }
@@ -103,7 +113,7 @@ mod tests {
     #[test]
     fn bad_tables_are_refused_by_row() {
         assert_eq!(Samples::new(&[]), Err(TableError::Empty));
-        assert_eq!(Samples::new(&[(0.0, 1.0), (0.0, 2.0)]), Err(TableError::NotRising { row: 2 }));
-        assert_eq!(Samples::new(&[(0.0, f64::NAN)]), Err(TableError::NotFinite { row: 1 }));
+        assert_eq!(Samples::new(&[(0.0, 1.0), (0.0, 2.0)]), Err(TableError::NotRising { row: 1 }));
+        assert_eq!(Samples::new(&[(0.0, f64::NAN)]), Err(TableError::NotFinite { row: 0 }));
     }
 }
