@@ -15,4 +15,4 @@ mod problem;
 pub use drive::{History, LearnError, Progress, Stop, learn};
 pub use noise::{Anneal, Exploration};
 pub use pi2::{Batch, Credit, Pi2, Pi2Error, Pi2Options, Temperature};
-pub use problem::{Block, Cost, Parameters, Problem};
+pub use problem::{Block, Cost, Parameters, Problem, SignalGroup, SignalModel};

@@ -1,6 +1,6 @@
 //! A simulation as something to learn.
 
-use hpf_learn::{Anneal, Block, Cost, Credit, Exploration, Parameters, Pi2Options, Problem, Temperature, fit};
+use hpf_learn::{Anneal, Block, Cost, Credit, Exploration, Parameters, Pi2Options, Problem, SignalModel, Temperature, fit};
 
 use crate::environment::cantilever::minimum_jerk;
 use crate::policy::Policy;
@@ -30,6 +30,15 @@ impl Problem for Simulation {
     fn rollout(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
         self.rollout_into(parameters, trace);
         self.cost_into(trace, cost);
+    }
+
+    fn signals(&self) -> Option<&SignalModel> {
+        Some(&self.signals)
+    }
+
+    fn measure(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost, signals: &mut Vec<f64>) {
+        Problem::rollout(self, parameters, trace, cost);
+        self.signals_into(trace, signals);
     }
 }
 
