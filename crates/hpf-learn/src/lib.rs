@@ -6,13 +6,23 @@
 
 #![forbid(unsafe_code)]
 
+mod auto;
+mod box_step;
+mod covariance;
 mod drive;
 pub mod fit;
+mod gauss_newton;
 mod noise;
 mod pi2;
 mod problem;
+mod response;
+mod weighting;
 
-pub use drive::{History, LearnError, Progress, Stop, learn};
+pub use auto::{AutoOptions, Note};
+pub use covariance::{ADAPTATION_RATE, Covariance};
+pub use drive::{History, LearnError, Method, Progress, Stop, learn, learn_with};
+pub use gauss_newton::{GaussNewton, GaussNewtonOptions, Settled};
 pub use noise::{Anneal, Exploration};
-pub use pi2::{Batch, Credit, Pi2, Pi2Error, Pi2Options, Temperature};
+pub use pi2::{Batch, Credit, Pi2, Pi2Error, Pi2Options};
 pub use problem::{Block, Cost, Parameters, Problem, SignalGroup, SignalModel};
+pub use weighting::Temperature;

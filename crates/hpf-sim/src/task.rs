@@ -281,6 +281,10 @@ pub struct Learning {
     pub temperature: Option<TemperatureKind>,
     /// Which cost a step answers for; the preset decides where this is left out.
     pub credit: Option<CreditKind>,
+    /// Let the exploration of each parameter follow the rollouts that weigh; left out, it keeps its shape.
+    pub covariance: Option<CovarianceKind>,
+    /// Whether an update moves the weights along the basis vectors only; the preset decides where this is left out.
+    pub projection: Option<bool>,
     /// The path that learning starts from.
     pub initial_path: InitialPath,
     /// Seed of all random numbers.
@@ -301,6 +305,8 @@ impl Default for Learning {
             final_noise: 0.1,
             temperature: None,
             credit: None,
+            covariance: None,
+            projection: None,
             initial_path: InitialPath::Pull,
             seed: 1,
         }
@@ -313,6 +319,13 @@ pub enum Method {
     /// Policy improvement with path integrals.
     #[serde(rename = "pi2")]
     Pi2,
+    /// Gauss-Newton on the signals of a rollout: of the other keys it takes `updates`, `rollouts` (most made at a
+    /// time), `max_rollouts`, `noise` (the largest perturbations), `initial_path` and `seed`.
+    #[serde(rename = "gauss-newton")]
+    GaussNewton,
+    /// Signals where the environment has them, else the costs of the steps, then PI2; the keys of `gauss-newton`.
+    #[serde(rename = "auto")]
+    Auto,
 }
 
 /// Settings of PI2 to start from.
@@ -323,6 +336,9 @@ pub enum Preset {
     Pi2,
     /// The paper's reading: noise at every step, a fixed lambda, the full sum as cost.
     Paper,
+    /// Black box: an update is the weighted mean of the rollouts' parameters, by their full cost.
+    #[serde(rename = "pi-bb")]
+    BlackBox,
 }
 
 /// Standard deviation of the exploration, by primitive.
@@ -349,6 +365,8 @@ impl Default for Noise {
 pub enum ExplorationKind {
     /// Once per rollout.
     Rollout,
+    /// Once per rollout; at each step only the parameter of the most active basis function explores.
+    Basis,
     /// At every step.
     Step,
 }
@@ -365,14 +383,18 @@ pub enum AnnealKind {
     Geometric,
 }
 
-/// How costs become weights: a table with one of the two keys.
+/// How costs become weights: "rank", or a table with one of the keys.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub enum TemperatureKind {
+    /// By the order of the costs alone.
+    Rank,
     /// softmax(-range (S - min)/(max - min)).
     Range(#[schemars(extend("exclusiveMinimum" = 0))] f64),
     /// softmax(-S/lambda), in the unit of the cost.
     Lambda(#[schemars(extend("exclusiveMinimum" = 0))] f64),
+    /// As range, with the range at which this many rollouts count.
+    EffectiveSize(#[schemars(range(min = 1))] f64),
 }
 
 /// Which cost a step answers for.
@@ -383,6 +405,18 @@ pub enum CreditKind {
     ToGo,
     /// The whole rollout's.
     Total,
+}
+
+/// Bounds of an exploration that adapts, as fractions of `noise`.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CovarianceKind {
+    /// Least standard deviation.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1))]
+    pub floor: f64,
+    /// Largest standard deviation.
+    #[schemars(range(min = 1))]
+    pub ceiling: f64,
 }
 
 /// The path that learning starts from.

@@ -1,7 +1,7 @@
 //! The key-by-key page of the task file is what the code says: `UPDATE_DOCS=1 cargo test -p hpf-sim --test docs`
 //! writes it, the test without it checks it.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::path::Path;
 
 use hpf_sim::Task;
@@ -121,6 +121,7 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
         ("[cost]", "CostWeights"),
         ("[learning]", "Learning"),
         ("[learning] noise", "Noise"),
+        ("[learning] covariance", "CovarianceKind"),
         ("[output]", "Output"),
         ("[accept]", "Accept"),
     ] {
