@@ -1,7 +1,8 @@
 //! Learning the weights of primitives from a cost, and fitting them to profiles.
 //!
-//! [`Problem`] is what can be learned: it knows its parameters as [`Block`]s and the cost of a rollout. [`Pi2`] is
-//! the learner as ask and tell on plain vectors; [`learn`] drives it with rollouts in parallel. [`fit`] holds the
+//! [`Problem`] is what can be learned: it knows its parameters as [`Block`]s, the cost of a rollout and, where it has
+//! them, the signals that the cost is the squares of. [`Pi2`] learns from costs, [`GaussNewton`] from signals, both as
+//! ask and tell on plain vectors; [`learn_with`] drives any [`Method`] with rollouts in parallel. [`fit`] holds the
 //! regressions that start a profile from data. No task, no file, no clock.
 
 #![forbid(unsafe_code)]

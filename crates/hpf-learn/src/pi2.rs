@@ -8,6 +8,8 @@
 //! [dw]_j   = sum_t (N-t) psi_{t,j} [dw_t]_j / sum_t (N-t) psi_{t,j},   w <- w + dw, kept in its bounds
 //! ```
 //! M_t does not change with the length of g_t, so the features phi stand for g of a movement (s A phi) too.
+//! Without projection M_t is the identity: with `Credit::Total` an update is then the weighted mean of the samples.
+//! Variants: weights in `weighting.rs`, exploration in `noise.rs`, its shape in `covariance.rs`.
 //! Samples are brought within their bounds BEFORE the rollout, and eps is what remains of the step.
 //!
 //! Sources: Theodorou, Buchli, Schaal, JMLR 11:3137, 2010; the paper's Section 4 (doi 10.3390/s24123964), which
