@@ -236,3 +236,24 @@ fn ctrl_c_ends_after_the_update_with_the_best_policy_saved() {
     assert!(folder.path().join("c/log.mcap").exists());
     expect(0, folder.path(), &["run", "c"]);
 }
+
+#[test]
+fn auto_meets_every_shipped_target_within_two_hundred_motions() {
+    let folder = folder();
+    for name in ["via_point", "cantilever", "cantilever_moving_load", "reach"] {
+        let settings = ["learning.method=auto", "learning.max_rollouts=200"];
+        for threads in ["1", "7"] {
+            let (file, out) = (task(&format!("{name}.toml")), format!("{name}-{threads}"));
+            let arguments = ["learn", &file, "--quiet", "--threads", threads, "--out", &out];
+            let settings = settings.iter().flat_map(|setting| ["--set", setting]);
+            expect(0, folder.path(), &arguments.into_iter().chain(settings).collect::<Vec<_>>());
+        }
+        for file in ["policy.json", "learning.csv", "trajectory.csv", "log.mcap"] {
+            let bytes = |threads: &str| fs::read(folder.path().join(format!("{name}-{threads}")).join(file)).unwrap();
+            assert!(bytes("1") == bytes("7"), "{name}: {file} differs");
+        }
+        let summary = json(folder.path().join(format!("{name}-1/summary.json")));
+        assert_eq!(summary["method"], "auto");
+        assert!(summary["rollouts_total"].as_u64().unwrap() <= 200);
+    }
+}

@@ -26,7 +26,7 @@ use std::path::Path;
 use foxglove::messages::Timestamp;
 use foxglove::messages::log::Level;
 use hpf_sim::Simulation;
-use hpf_sim::task::{Method, Task};
+use hpf_sim::task::Task;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions};
@@ -57,17 +57,11 @@ impl<'a> Head<'a> {
         Self { task, task_toml, policy_json }
     }
 
-    fn method(&self) -> &'static str {
-        match self.task.learning.method {
-            Method::Pi2 => "pi2",
-        }
-    }
-
     /// What can be said of a run in words; the same for every run of the same seed.
     fn metadata(&self) -> BTreeMap<String, String> {
         let pairs = [
             ("task", self.task.name.clone()),
-            ("method", self.method().to_owned()),
+            ("method", self.task.learning.method.name().to_owned()),
             ("seed", self.task.learning.seed.to_string()),
             ("duration_s", self.task.duration.to_string()),
             ("rate_hz", self.task.rate.to_string()),
@@ -142,7 +136,7 @@ impl Log {
         };
         let Task { name, duration, rate, axis, learning, .. } = head.task;
         let axes: Vec<&str> = axis.iter().map(|axis| axis.name.as_str()).collect();
-        let (axes, method, seed) = (axes.join(", "), head.method(), learning.seed);
+        let (axes, method, seed) = (axes.join(", "), learning.method.name(), learning.seed);
         log.say(0, Level::Info, format!("task {name}: axes {axes}; {duration} s at {rate} Hz"))?;
         log.say(0, Level::Info, format!("method {method}, seed {seed}"))?;
         Ok(log)

@@ -24,7 +24,9 @@ pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
-    let digits = value.abs().log10().floor();
+    // The power of ten after rounding to four digits: 9.99999 is 10.00.
+    let exponent = format!("{value:.3e}");
+    let digits = exponent.rsplit('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(f64::NAN);
     if !(-5.0..7.0).contains(&digits) {
         return format!("{value:.3e}");
     }
@@ -88,7 +90,7 @@ pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
 }
 
 /// All of a learned run.
-pub fn learned(task: &Task, summary: &Summary, folder: &str, files: &[String], next: &str) -> String {
+pub fn learned(task: &Task, summary: &Summary, notes: &[String], folder: &str, files: &[String], next: &str) -> String {
     let mut text = format!(
         "{}: {} updates, {} motions, {:.2} s of learning ({:.2} s in all), seed {}; stopped because {}\n",
         summary.task,
@@ -99,6 +101,9 @@ pub fn learned(task: &Task, summary: &Summary, folder: &str, files: &[String], n
         summary.seed,
         summary.stopped_because
     );
+    for note in notes {
+        let _ = writeln!(text, "note: {note}");
+    }
     if summary.rejected > 0 {
         let _ = writeln!(text, "{} rollouts had no finite cost and were left out", summary.rejected);
     }
@@ -248,7 +253,14 @@ mod tests {
 
     #[test]
     fn numbers_keep_four_digits_that_count() {
-        let cases = [(0.0, "0"), (12.0, "12.00"), (0.048_651, "0.04865"), (123_456.0, "123456"), (1e-9, "1.000e-9")];
+        let cases = [
+            (0.0, "0"),
+            (12.0, "12.00"),
+            (0.048_651, "0.04865"),
+            (123_456.0, "123456"),
+            (1e-9, "1.000e-9"),
+            (9.999_99, "10.00"),
+        ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
         }

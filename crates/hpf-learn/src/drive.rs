@@ -2,7 +2,43 @@
 
 use rayon::prelude::*;
 
-use crate::{Cost, Parameters, Pi2, Pi2Error, Pi2Options, Problem};
+use crate::{
+    AutoOptions, Cost, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
+};
+
+/// A way to learn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Policy improvement with path integrals.
+    Pi2(Pi2Options),
+    /// Gauss-Newton on the signals of a problem that has them.
+    GaussNewton(GaussNewtonOptions),
+    /// Signals where there are any, else costs; nothing to set.
+    Auto(AutoOptions),
+}
+
+/// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
+///
+/// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts`
+/// motions are made. Every motion counts, and with [`Method::GaussNewton`] and [`Method::Auto`] every motion without
+/// step-wise noise is an evaluation: the best is the cheapest of them.
+///
+/// # Errors
+/// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
+/// rollout of an update of PI2 costs no finite amount.
+pub fn learn_with<P: Problem>(
+    problem: &P,
+    weights: Vec<f64>,
+    method: &Method,
+    max_rollouts: Option<usize>,
+    observe: impl FnMut(&Progress) -> bool,
+) -> Result<History, LearnError> {
+    match *method {
+        Method::Pi2(options) => learn(problem, weights, options, max_rollouts, observe),
+        Method::GaussNewton(options) => auto::learn_signals(problem, weights, options, max_rollouts, observe),
+        Method::Auto(options) => auto::learn_auto(problem, weights, options, max_rollouts, observe),
+    }
+}
 
 /// The state of learning after one update, evaluated without noise.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +66,8 @@ pub enum Stop {
     Rollouts,
     /// The observer asked for it.
     Asked,
+    /// The method found nothing more to do.
+    Settled(Settled),
 }
 
 /// What a run of learning leaves behind.
@@ -47,6 +85,8 @@ pub struct History {
     pub rejected: usize,
     /// Why it ended.
     pub stop: Stop,
+    /// What the method found out on its way: a coupling, a fall-back.
+    pub notes: Vec<Note>,
 }
 
 /// Why learning failed.
@@ -55,6 +95,9 @@ pub enum LearnError {
     /// The starting parameters already cost no finite amount.
     #[error("the starting policy has no finite cost")]
     BadStart,
+    /// The method learns from signals, and the problem measures none.
+    #[error("the problem measures no signals: learn it from its cost, with auto or pi2")]
+    NoSignals,
     /// An update could not be made; what was learned before it is in `history`.
     #[error("{reason}")]
     Update {
@@ -98,8 +141,15 @@ pub fn learn<P: Problem>(
     if !initial.total.is_finite() {
         return Err(LearnError::BadStart);
     }
-    let mut history =
-        History { best: initial.clone(), initial, updates: 0, rollouts: 1, rejected: 0, stop: Stop::Updates };
+    let mut history = History {
+        best: initial.clone(),
+        initial,
+        updates: 0,
+        rollouts: 1,
+        rejected: 0,
+        stop: Stop::Updates,
+        notes: vec![],
+    };
     let mut go_on = observe(&history.initial);
     let mut costs = vec![Cost::default(); options.rollouts];
     for _ in 0..options.updates {

@@ -8,6 +8,8 @@ use rand::rngs::ChaCha8Rng;
 pub enum Exploration {
     /// Once per rollout: smooth motion, safe on hardware.
     Rollout,
+    /// Once per rollout, and at each step only the parameter of the most active basis function explores.
+    Basis,
     /// Anew at every step, as the paper does: it averages out, and needs about four times the scale.
     Step,
 }

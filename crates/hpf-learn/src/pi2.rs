@@ -8,6 +8,8 @@
 //! [dw]_j   = sum_t (N-t) psi_{t,j} [dw_t]_j / sum_t (N-t) psi_{t,j},   w <- w + dw, kept in its bounds
 //! ```
 //! M_t does not change with the length of g_t, so the features phi stand for g of a movement (s A phi) too.
+//! Without projection M_t is the identity: with `Credit::Total` an update is then the weighted mean of the samples.
+//! Variants: weights in `weighting.rs`, exploration in `noise.rs`, its shape in `covariance.rs`.
 //! Samples are brought within their bounds BEFORE the rollout, and eps is what remains of the step.
 //!
 //! Sources: Theodorou, Buchli, Schaal, JMLR 11:3137, 2010; the paper's Section 4 (doi 10.3390/s24123964), which
@@ -17,16 +19,8 @@ use rand::RngExt as _;
 use rand_distr::StandardNormal;
 
 use crate::noise::stream;
-use crate::{Anneal, Block, Cost, Exploration, Parameters};
-
-/// How costs become weights of the rollouts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Temperature {
-    /// `softmax(-h (S - min)/(max - min))`: the same for any scale of the cost.
-    Range(f64),
-    /// `softmax(-S/lambda)`, lambda in the unit of the cost.
-    Lambda(f64),
-}
+use crate::weighting::softmax;
+use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, Temperature};
 
 /// Which cost a step answers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +46,10 @@ pub struct Pi2Options {
     pub exploration: Exploration,
     /// How it shrinks.
     pub anneal: Anneal,
+    /// How its shape follows what was learned.
+    pub covariance: Covariance,
+    /// Whether a step moves the weights along its basis vector only (M_t), or as the rollouts went.
+    pub is_projected: bool,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -66,6 +64,8 @@ impl Default for Pi2Options {
             credit: Credit::ToGo,
             exploration: Exploration::Rollout,
             anneal: Anneal::Linear { last: 0.1 },
+            covariance: Covariance::Fixed,
+            is_projected: true,
             seed: 1,
         }
     }
@@ -80,6 +80,12 @@ impl Pi2Options {
             exploration: Exploration::Step,
             ..Self::default()
         }
+    }
+
+    /// PI-BB: every step answers for the whole rollout and nothing is projected, so an update is the weighted mean of
+    /// the rollouts' parameters (Stulp, Sigaud, Paladyn 4:49, 2013, doi 10.2478/pjbr-2013-0003).
+    pub fn black_box() -> Self {
+        Self { credit: Credit::Total, is_projected: false, ..Self::default() }
     }
 }
 
@@ -130,6 +136,8 @@ pub struct Pi2 {
     steps: usize,
     blocks: Vec<BlockState>,
     weights: Vec<f64>,
+    /// Standard deviation of each parameter's exploration before annealing, as a fraction of its block's noise.
+    spread: Vec<f64>,
     update: usize,
 }
 
@@ -143,12 +151,12 @@ struct BlockState {
     features: Vec<f64>,
     /// `1/(phi_t^T phi_t)` per step.
     inverse_norm: Vec<f64>,
-    /// `(N-t) psi_{t,j} phi_{t,j} / sum_t (N-t) psi_{t,j}`: steps x n.
+    /// `(N-t) psi_{t,j} phi_{t,j} / sum_t (N-t) psi_{t,j}`, without phi_{t,j} where nothing is projected: steps x n.
     averaging: Vec<f64>,
 }
 
 impl BlockState {
-    fn new(block: &Block, start: usize, steps: usize) -> Self {
+    fn new(block: &Block, start: usize, steps: usize, is_projected: bool) -> Self {
         let n = block.count;
         let rows = |table: &[f64]| -> Vec<f64> { table[..steps * n].to_vec() };
         let features = rows(&block.features);
@@ -164,10 +172,19 @@ impl BlockState {
         for (row, phi) in averaging.chunks_exact_mut(n).zip(features.chunks_exact(n)) {
             for ((a, sum), phi) in row.iter_mut().zip(&sums).zip(phi) {
                 // A function too narrow to be seen at any step has nothing to learn from.
+                let phi = if is_projected { *phi } else { 1.0 };
                 *a = if *sum > 0.0 { *a * phi / sum } else { 0.0 };
             }
         }
         Self { start, count: n, min: block.min, max: block.max, noise: block.noise, features, inverse_norm, averaging }
+    }
+}
+
+impl BlockState {
+    /// The basis function that is most active at step `t`.
+    fn most_active(&self, t: usize) -> usize {
+        let phi = &self.features[t * self.count..(t + 1) * self.count];
+        (0..self.count).fold(0, |most, j| if phi[j] > phi[most] { j } else { most })
     }
 }
 
@@ -178,17 +195,31 @@ impl Pi2 {
         let blocks = blocks
             .iter()
             .map(|block| {
-                let state = BlockState::new(block, start, steps);
+                let state = BlockState::new(block, start, steps, options.is_projected);
                 start += block.count;
                 state
             })
             .collect();
-        Self { options, steps, blocks, weights, update: 0 }
+        let spread = vec![1.0; weights.len()];
+        Self { options, steps, blocks, weights, spread, update: 0 }
     }
 
     /// The parameters as learned so far.
     pub fn weights(&self) -> &[f64] {
         &self.weights
+    }
+
+    /// Standard deviation of each parameter's exploration before annealing, as a fraction of its block's noise.
+    pub fn spread(&self) -> &[f64] {
+        &self.spread
+    }
+
+    /// The same learner with another spread, one number per parameter.
+    #[must_use]
+    pub fn with_spread(mut self, spread: Vec<f64>) -> Self {
+        assert_eq!(spread.len(), self.weights.len(), "one number per parameter");
+        self.spread = spread;
+        self
     }
 
     /// Updates made so far.
@@ -206,17 +237,30 @@ impl Pi2 {
         let count = self.weights.len();
         let rows = match self.options.exploration {
             Exploration::Rollout => 1,
-            Exploration::Step => self.steps,
+            Exploration::Step | Exploration::Basis => self.steps,
         };
+        let draws = if self.options.exploration == Exploration::Step { self.steps } else { 1 };
         let scale = self.exploration();
         let mut samples = Vec::with_capacity(self.options.rollouts * rows * count);
         for k in 0..self.options.rollouts {
             let mut generator = stream(self.options.seed, self.update, k);
-            for _ in 0..rows {
+            let first = samples.len();
+            for _ in 0..draws {
                 for block in &self.blocks {
-                    for &weight in &self.weights[block.start..block.start + block.count] {
+                    let own = block.start..block.start + block.count;
+                    for (weight, spread) in self.weights[own.clone()].iter().zip(&self.spread[own]) {
                         let normal: f64 = generator.sample(StandardNormal);
-                        samples.push((weight + scale * block.noise * normal).clamp(block.min, block.max));
+                        samples.push((weight + scale * block.noise * spread * normal).clamp(block.min, block.max));
+                    }
+                }
+            }
+            if self.options.exploration == Exploration::Basis {
+                let drawn = samples.split_off(first);
+                for t in 0..rows {
+                    samples.extend(&self.weights);
+                    let row = samples.len() - count;
+                    for place in self.blocks.iter().map(|block| block.start + block.most_active(t)) {
+                        samples[row + place] = drawn[place];
                     }
                 }
             }
@@ -240,6 +284,9 @@ impl Pi2 {
         for block in &self.blocks {
             changes.extend(self.change(block, batch, &kept, &probabilities));
         }
+        if self.options.covariance != Covariance::Fixed {
+            self.adapt(batch, costs, &kept);
+        }
         let mut changes = changes.into_iter();
         for block in &self.blocks {
             for weight in &mut self.weights[block.start..block.start + block.count] {
@@ -249,6 +296,29 @@ impl Pi2 {
         }
         self.update += 1;
         Ok(rejected)
+    }
+
+    /// Lets the spread follow that of the rollouts that weigh.
+    fn adapt(&mut self, batch: &Batch, costs: &[Cost], kept: &[usize]) {
+        let mut shares: Vec<f64> = kept.iter().map(|&k| costs[k].total()).collect();
+        softmax(&mut shares, self.options.temperature);
+        let scale = self.exploration();
+        for block in &self.blocks {
+            for j in block.start..block.start + block.count {
+                let unit = scale * block.noise;
+                let mean_square = |k: usize| {
+                    let drawn = (0..batch.rows).map(|t| batch.sample(k).at(t)[j] - self.weights[j]);
+                    // Where only one basis at a time explores, the steps of the others say nothing.
+                    let (sum, steps) =
+                        drawn.filter(|eps| *eps != 0.0).fold((0.0, 0.0), |(s, n), e| (s + e * e, n + 1.0));
+                    if steps > 0.0 { sum / (steps * unit * unit) } else { 0.0 }
+                };
+                if unit > 0.0 {
+                    let weighted = kept.iter().zip(&shares).map(|(&k, share)| share * mean_square(k)).sum();
+                    self.spread[j] = self.options.covariance.next(self.spread[j], weighted);
+                }
+            }
+        }
     }
 
     /// P_{t,k}: steps x kept rollouts.
@@ -275,6 +345,19 @@ impl Pi2 {
     fn change(&self, block: &BlockState, batch: &Batch, kept: &[usize], probabilities: &[f64]) -> Vec<f64> {
         let weights = &self.weights[block.start..block.start + block.count];
         let mut change = vec![0.0; block.count];
+        if !self.options.is_projected {
+            for t in 0..self.steps {
+                let averaging = &block.averaging[t * block.count..(t + 1) * block.count];
+                for (column, &k) in kept.iter().enumerate() {
+                    let share = probabilities[t * kept.len() + column];
+                    let sample = &batch.sample(k).at(t)[block.start..block.start + block.count];
+                    for (((change, a), sample), w) in change.iter_mut().zip(averaging).zip(sample).zip(weights) {
+                        *change += a * share * (sample - w);
+                    }
+                }
+            }
+            return change;
+        }
         for t in 0..self.steps {
             let phi = &block.features[t * block.count..(t + 1) * block.count];
             let mut along = 0.0;
@@ -300,52 +383,4 @@ fn is_finite(cost: &Cost) -> bool {
         to_go += cost;
         to_go.is_finite()
     }) && to_go.is_finite()
-}
-
-/// Turns costs into weights that sum to one; equal costs get equal weights.
-fn softmax(costs: &mut [f64], temperature: Temperature) {
-    let min = costs.iter().copied().fold(f64::INFINITY, f64::min);
-    let max = costs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // Halves, because a difference of two finite costs may be infinite.
-    let half_range = 0.5 * max - 0.5 * min;
-    let (sharpness, half_unit) = match temperature {
-        Temperature::Range(h) if half_range > 0.0 => (h, half_range),
-        Temperature::Range(_) => (0.0, 1.0),
-        Temperature::Lambda(lambda) => (1.0, 0.5 * lambda),
-    };
-    let mut sum = 0.0;
-    for cost in costs.iter_mut() {
-        *cost = libm::exp(-sharpness * ((0.5 * *cost - 0.5 * min) / half_unit));
-        sum += *cost;
-    }
-    costs.iter_mut().for_each(|weight| *weight /= sum);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn equal_costs_get_equal_weights() {
-        let mut costs = [3.0; 4];
-        softmax(&mut costs, Temperature::Range(10.0));
-        assert_eq!(costs, [0.25; 4]);
-    }
-
-    #[test]
-    fn range_weights_do_not_change_with_the_unit_of_the_cost() {
-        let (mut euros, mut cents) = ([1.0, 2.0, 4.0], [100.0, 200.0, 400.0]);
-        softmax(&mut euros, Temperature::Range(10.0));
-        softmax(&mut cents, Temperature::Range(10.0));
-        for (a, b) in euros.iter().zip(cents) {
-            assert!((a - b).abs() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn differences_beyond_the_largest_number_are_still_ranked() {
-        let mut costs = [-1e308, 0.0, 1e308];
-        softmax(&mut costs, Temperature::Range(10.0));
-        assert!(costs.iter().all(|weight| weight.is_finite()), "{costs:?}");
-    }
 }

@@ -1,4 +1,6 @@
-//! What a learning problem is: parameters in blocks, and the cost of a rollout.
+//! What a learning problem is: parameters in blocks, the cost of a rollout, and where it has them its signals.
+
+use core::ops::Range;
 
 /// One primitive of one axis: a run of parameters that share a basis.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +67,28 @@ impl Cost {
     }
 }
 
+/// How a cost is a sum of squares: `J = 1/2 |rho|^2 + 1/2 sum_b w_b^T Q_b w_b`.
+///
+/// rho are the signals a rollout measures, each times the root of its weight; w_b are the parameters of block b and
+/// Q_b what they cost by themselves, known without a rollout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalModel {
+    /// Parameters and the signals they are expected to act on, in order and without gaps: the axes of a robot. Whether
+    /// they act on others too is found out.
+    pub groups: Vec<SignalGroup>,
+    /// Q_b of each block, n x n, one row after the other; empty where its parameters cost nothing by themselves.
+    pub price: Vec<Vec<f64>>,
+}
+
+/// Parameters that act on signals.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SignalGroup {
+    /// Which parameters, among all.
+    pub parameters: Range<usize>,
+    /// Which signals, among all.
+    pub signals: Range<usize>,
+}
+
 /// Something whose parameters can be learned: a simulator, a robot.
 pub trait Problem: Sync {
     /// What one rollout works in, made once per thread and reused.
@@ -84,4 +108,21 @@ pub trait Problem: Sync {
 
     /// Makes one rollout and writes what it cost. A rollout that failed costs NaN or infinity.
     fn rollout(&self, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
+
+    /// How the cost is a sum of squares of signals; `None` where a rollout measures none.
+    fn signals(&self) -> Option<&SignalModel> {
+        None
+    }
+
+    /// Makes one rollout as [`Problem::rollout`] does and writes the signals it measured, none where there are none.
+    fn measure(
+        &self,
+        parameters: Parameters<'_>,
+        workspace: &mut Self::Workspace,
+        cost: &mut Cost,
+        signals: &mut Vec<f64>,
+    ) {
+        self.rollout(parameters, workspace, cost);
+        signals.clear();
+    }
 }

@@ -5,7 +5,9 @@
 mod block;
 
 use block::{FREE, block, phase};
-use hpf_learn::{Anneal, Batch, Block, Cost, Credit, Exploration, Parameters, Pi2, Pi2Error, Pi2Options, Temperature};
+use hpf_learn::{
+    Anneal, Batch, Block, Cost, Covariance, Credit, Exploration, Parameters, Pi2, Pi2Error, Pi2Options, Temperature,
+};
 
 const STEPS: usize = 40;
 
@@ -39,7 +41,7 @@ fn costs(rollouts: usize) -> Vec<Cost> {
 fn every_option(rollouts: usize) -> impl Iterator<Item = Pi2Options> {
     let temperatures = [Temperature::Range(10.0), Temperature::Lambda(7.0)];
     let credits = [Credit::ToGo, Credit::Total];
-    let explorations = [Exploration::Rollout, Exploration::Step];
+    let explorations = [Exploration::Rollout, Exploration::Basis, Exploration::Step];
     temperatures.into_iter().flat_map(move |temperature| {
         credits.into_iter().flat_map(move |credit| {
             explorations.into_iter().map(move |exploration| Pi2Options {
@@ -68,6 +70,7 @@ fn transcribed(blocks: &[Block], weights: &[f64], batch: &Batch, costs: &[Cost],
             row[k] = match options.temperature {
                 Temperature::Range(h) => (-h * (s[k] - least) / (most - least)).exp(),
                 Temperature::Lambda(lambda) => (-s[k] / lambda).exp(),
+                other => unreachable!("{other:?} has tests of its own"),
             };
         }
         let sum: f64 = row.iter().sum();
@@ -128,7 +131,7 @@ fn an_update_is_its_formulas_for_every_option() {
             seen += 1;
         }
     }
-    assert_eq!(seen, 8 * 3);
+    assert_eq!(seen, 12 * 3);
 }
 
 #[test]
@@ -145,6 +148,63 @@ fn one_rollout_at_one_step_moves_the_weights_onto_the_basis_vector() {
     for (weight, phi) in learner.weights().iter().zip(phi) {
         assert!((weight - along * phi).abs() < 1e-15); // three products
     }
+}
+
+#[test]
+fn a_black_box_update_is_the_weighted_mean_of_the_samples() {
+    let options = Pi2Options { rollouts: 9, temperature: Temperature::Rank, ..Pi2Options::black_box() };
+    let free = [block("x", 6, STEPS, FREE, 1.0)];
+    let mut learner = Pi2::new(&free, STEPS, vec![0.0; 6], options);
+    let batch = learner.ask();
+    let costs = costs(9);
+    learner.tell(&batch, &costs).unwrap();
+    let mut order: Vec<usize> = (0..9).collect();
+    order.sort_by(|&a, &b| costs[a].total().total_cmp(&costs[b].total()));
+    let weigh = |rank: usize| (5.0_f64.ln() - ((rank + 1) as f64).ln()).max(0.0);
+    let sum: f64 = (0..9).map(weigh).sum();
+    for j in 0..6 {
+        let mean: f64 = order.iter().enumerate().map(|(i, &k)| weigh(i) / sum * batch.sample(k).at(0)[j]).sum();
+        assert!((learner.weights()[j] - mean).abs() < 1e-14); // nine products of numbers near 1
+    }
+}
+
+#[test]
+fn basis_noise_moves_one_parameter_of_each_block_at_a_time() {
+    let options = Pi2Options { exploration: Exploration::Basis, ..Pi2Options::default() };
+    let two = [block("x", 6, STEPS, FREE, 1.0), block("k", 4, STEPS, FREE, 1.0)];
+    let batch = Pi2::new(&two, STEPS, vec![0.0; 10], options).ask();
+    for k in 0..batch.len() {
+        let mut values = vec![Vec::new(); 10];
+        for t in 0..STEPS {
+            let row = batch.sample(k).at(t);
+            for (range, block) in [(0..6, &two[0]), (6..10, &two[1])] {
+                let moved: Vec<usize> = range.clone().filter(|&j| row[j] != 0.0).collect();
+                assert_eq!(moved.len(), 1);
+                let phi = &block.features[t * block.count..(t + 1) * block.count];
+                assert!(phi.iter().all(|other| *other <= phi[moved[0] - range.start]), "the most active one");
+                values[moved[0]].push(row[moved[0]]);
+            }
+        }
+        assert!(values.iter().all(|held| held.windows(2).all(|pair| pair[0] == pair[1])), "held while active");
+    }
+}
+
+#[test]
+fn the_spread_shrinks_where_the_cost_is_steep_and_stays_where_it_is_flat() {
+    let covariance = Covariance::Diagonal { floor: 0.05, ceiling: 1.5 };
+    let options = Pi2Options { covariance, anneal: Anneal::None, ..Pi2Options::black_box() };
+    let free = [block("x", 2, STEPS, FREE, 1.0)];
+    let mut learner = Pi2::new(&free, STEPS, vec![0.0; 2], options);
+    for _ in 0..40 {
+        let batch = learner.ask();
+        // Only the first parameter costs anything.
+        let price = |k: usize| batch.sample(k).at(0)[0].powi(2);
+        let costs: Vec<Cost> =
+            (0..20).map(|k| Cost { running: vec![0.0; STEPS], terminal: price(k), terms: vec![] }).collect();
+        learner.tell(&batch, &costs).unwrap();
+    }
+    assert_eq!(learner.spread()[0], 0.05, "as narrow as the floor allows");
+    assert!(learner.spread()[1] > 0.2 && learner.spread()[1] <= 1.5, "{}", learner.spread()[1]);
 }
 
 #[test]

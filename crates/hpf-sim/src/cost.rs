@@ -9,8 +9,11 @@
 //! paper: near a clamp a large error of force hides in a small deviation). Running terms are integrals, so a weight
 //! means the same at any rate (the paper sums without dt). Signals at samples are integrated by the trapezoid rule; the
 //! acceleration of a step is the change of velocity over it.
+//!
+//! Every term is a square, so the cost is `1/2 |rho|^2` of weighted signals rho and of what k and d cost: linear in
+//! the weights, those need no measuring and are a quadratic form of the weights instead.
 
-use hpf_learn::Cost;
+use hpf_learn::{Cost, SignalGroup};
 
 use crate::task::{PerAxis, Task};
 use crate::trace::Trace;
@@ -138,6 +141,82 @@ impl CostModel {
             }
         }
     }
+}
+
+impl CostModel {
+    /// Number of signals of axis `a` with `steps` steps, in contact or not.
+    fn signal_count(&self, a: usize, steps: usize, contact: bool) -> usize {
+        let along = |weight: f64, count: usize| if weight > 0.0 { count } else { 0 };
+        let touching = along(self.tracking_weight, steps + 1) + along(self.contact_force_weight, steps + 1);
+        2 + self.via.len() + along(self.acceleration_weight[a], steps) + if contact { touching } else { 0 }
+    }
+
+    /// The signals of each axis, given its number of parameters; `contact` is the axis that touches something.
+    pub(crate) fn signal_groups(&self, parameters: &[usize], steps: usize, contact: Option<usize>) -> Vec<SignalGroup> {
+        let (mut parameter, mut signal) = (0, 0);
+        let group = |(a, count): (usize, &usize)| {
+            let starts = (parameter, signal);
+            parameter += count;
+            signal += self.signal_count(a, steps, contact == Some(a));
+            SignalGroup { parameters: starts.0..parameter, signals: starts.1..signal }
+        };
+        parameters.iter().enumerate().map(group).collect()
+    }
+
+    /// Writes the signals of `trace`, axis by axis: `1/2 |rho|^2` is what it costs without stiffness and damping.
+    pub(crate) fn signals(&self, trace: &Trace, signals: &mut Vec<f64>) {
+        let (steps, dt) = (trace.steps(), trace.dt());
+        signals.clear();
+        for (a, axis) in trace.axes.iter().enumerate() {
+            signals.push(self.goal_weight[a].sqrt() * (axis.position[steps] - self.goal[a]));
+            signals.push(self.end_velocity_weight[a].sqrt() * axis.velocity[steps]);
+            for (time, position) in &self.via {
+                let error = trace.sample(&axis.position, *time) - position[a];
+                signals.push(self.via_weight[a].sqrt() * error);
+            }
+            let factor = (self.acceleration_weight[a] * dt).sqrt();
+            if factor > 0.0 {
+                signals.extend(axis.acceleration(dt).map(|a| factor * a));
+            }
+            let Some(contact) = trace.contact.as_ref().filter(|contact| contact.axis == a) else { continue };
+            let roots: Vec<f64> = trapezoid(steps).map(|share| (share * dt).sqrt()).collect();
+            if self.tracking_weight > 0.0 {
+                let factor = self.tracking_weight.sqrt();
+                signals.extend(contact.deviation.iter().zip(&roots).map(|(error, root)| factor * root * error));
+            }
+            if self.contact_force_weight > 0.0 {
+                let factor = self.contact_force_weight.sqrt();
+                let errors = contact.force.iter().map(|force| force - contact.set_point);
+                signals.extend(errors.zip(&roots).map(|(error, root)| factor * root * error));
+            }
+        }
+    }
+
+    /// What the weights of axis `a`'s stiffness and damping cost by themselves: the matrix Q of `1/2 w^T Q w`, from
+    /// the basis functions at each sample, one row per sample.
+    pub(crate) fn gain_prices(&self, a: usize, stiffness: &[&[f64]], damping: &[&[f64]], dt: f64) -> [Vec<f64>; 2] {
+        let price = |weight: f64, rows: &[&[f64]]| {
+            if weight == 0.0 {
+                return Vec::new();
+            }
+            let count = rows[0].len();
+            let mut matrix = vec![0.0; count * count];
+            for (row, share) in rows.iter().zip(trapezoid(rows.len() - 1)) {
+                for (i, phi) in row.iter().enumerate() {
+                    for (slot, other) in matrix[i * count..].iter_mut().zip(*row) {
+                        *slot += weight * dt * share * phi * other;
+                    }
+                }
+            }
+            matrix
+        };
+        [price(self.stiffness_weight[a], stiffness), price(self.damping_weight[a], damping)]
+    }
+}
+
+/// Share of a step that each sample stands for: the trapezoid rule.
+fn trapezoid(steps: usize) -> impl Iterator<Item = f64> {
+    (0..=steps).map(move |i| if i == 0 || i == steps { 0.5 } else { 1.0 })
 }
 
 /// Mean of the squares at both ends of each step: the trapezoid rule.

@@ -1,11 +1,14 @@
 //! A simulation as something to learn.
 
-use hpf_learn::{Anneal, Block, Cost, Credit, Exploration, Parameters, Pi2Options, Problem, Temperature, fit};
+use hpf_learn::{
+    Anneal, AutoOptions, Block, Cost, Covariance, Credit, Exploration, GaussNewtonOptions, Method, Parameters,
+    Pi2Options, Problem, SignalModel, Temperature, fit,
+};
 
 use crate::environment::cantilever::minimum_jerk;
 use crate::policy::Policy;
 use crate::simulation::Simulation;
-use crate::task::{AnnealKind, CreditKind, ExplorationKind, InitialPath, Learning, Preset, TemperatureKind};
+use crate::task::{self, AnnealKind, CreditKind, ExplorationKind, InitialPath, Learning, Preset, TemperatureKind};
 use crate::trace::Trace;
 
 impl Problem for Simulation {
@@ -31,19 +34,43 @@ impl Problem for Simulation {
         self.rollout_into(parameters, trace);
         self.cost_into(trace, cost);
     }
+
+    fn signals(&self) -> Option<&SignalModel> {
+        Some(&self.signals)
+    }
+
+    fn measure(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost, signals: &mut Vec<f64>) {
+        Problem::rollout(self, parameters, trace, cost);
+        self.signals_into(trace, signals);
+    }
 }
 
 impl Learning {
+    /// The method that the keys of `[learning]` ask for.
+    pub fn method(&self) -> Method {
+        let signals = GaussNewtonOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed };
+        match self.method {
+            task::Method::Pi2 => Method::Pi2(self.pi2_options()),
+            task::Method::GaussNewton => Method::GaussNewton(signals),
+            task::Method::Auto => {
+                Method::Auto(AutoOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
+            }
+        }
+    }
+
     /// The settings of PI2 that the keys of `[learning]` come to: the preset's, where a key is left out.
     pub fn pi2_options(&self) -> Pi2Options {
         let preset = match self.preset {
             Preset::Pi2 => Pi2Options::default(),
             Preset::Paper => Pi2Options::paper(PAPER_LAMBDA),
+            Preset::BlackBox => Pi2Options::black_box(),
         };
         Pi2Options {
             rollouts: self.rollouts,
             updates: self.updates,
             temperature: match self.temperature {
+                Some(TemperatureKind::Rank) => Temperature::Rank,
+                Some(TemperatureKind::EffectiveSize(size)) => Temperature::EffectiveSize(size),
                 Some(TemperatureKind::Range(h)) => Temperature::Range(h),
                 Some(TemperatureKind::Lambda(lambda)) => Temperature::Lambda(lambda),
                 None => preset.temperature,
@@ -55,6 +82,7 @@ impl Learning {
             },
             exploration: match self.exploration {
                 Some(ExplorationKind::Rollout) => Exploration::Rollout,
+                Some(ExplorationKind::Basis) => Exploration::Basis,
                 Some(ExplorationKind::Step) => Exploration::Step,
                 None => preset.exploration,
             },
@@ -63,6 +91,11 @@ impl Learning {
                 AnnealKind::Linear => Anneal::Linear { last: self.final_noise },
                 AnnealKind::Geometric => Anneal::Geometric { last: self.final_noise },
             },
+            covariance: match self.covariance {
+                Some(bounds) => Covariance::Diagonal { floor: bounds.floor, ceiling: bounds.ceiling },
+                None => preset.covariance,
+            },
+            is_projected: self.projection.unwrap_or(preset.is_projected),
             seed: self.seed,
         }
     }

@@ -7,7 +7,7 @@
 
 use hpf_core::admittance::{Instant, relax};
 use hpf_core::{Basis, ConfigError, Movement, Transition};
-use hpf_learn::{Block, Cost, Parameters};
+use hpf_learn::{Block, Cost, Parameters, SignalModel};
 
 use crate::cost::{CostModel, Term};
 use crate::environment::disturbance::Side;
@@ -66,6 +66,7 @@ pub struct Simulation {
     axes: Vec<AxisModel>,
     contact: Option<ContactModel>,
     cost: CostModel,
+    pub(crate) signals: SignalModel,
 }
 
 /// Basis functions by row: one row per instant.
@@ -84,6 +85,11 @@ impl Table {
             basis.features_into(phase, &mut table.rows[start..]);
         }
         table
+    }
+
+    /// The rows of whole steps.
+    fn samples(&self) -> Vec<&[f64]> {
+        self.rows.chunks_exact(self.count).step_by(2).collect()
     }
 
     #[inline]
@@ -185,6 +191,18 @@ impl Simulation {
             }),
             time,
         };
+        let cost = CostModel::new(task);
+        let stiffness = Table::new(&bases[1], half_steps.iter().copied());
+        let damping = Table::new(&bases[2], half_steps.iter().copied());
+        let counts: Vec<usize> = axes.iter().map(|axis| axis.parameters[3] - axis.parameters[0]).collect();
+        let prices = |a| {
+            let [stiffness, damping] = cost.gain_prices(a, &stiffness.samples(), &damping.samples(), dt);
+            [Vec::new(), stiffness, damping]
+        };
+        let signals = SignalModel {
+            groups: cost.signal_groups(&counts, steps, contact.as_ref().map(|contact| contact.axis)),
+            price: (0..axes.len()).flat_map(prices).collect(),
+        };
         Ok(Self {
             blocks: blocks(task, policy, &bases, &middle_phase),
             task: task.clone(),
@@ -192,12 +210,13 @@ impl Simulation {
             dt,
             duration,
             movement: Table::new(&bases[0], middle_phase.iter().copied()),
-            stiffness: Table::new(&bases[1], half_steps.iter().copied()),
-            damping: Table::new(&bases[2], half_steps.iter().copied()),
+            stiffness,
+            damping,
             middle_phase,
             axes,
             contact,
-            cost: CostModel::new(task),
+            cost,
+            signals,
         })
     }
 
@@ -227,6 +246,12 @@ impl Simulation {
 
     pub(crate) fn cost_into(&self, trace: &Trace, cost: &mut Cost) {
         self.cost.evaluate(trace, cost);
+    }
+
+    /// The weighted signals of `trace` whose half squares are its cost, without that of stiffness and damping, in the
+    /// order of [`hpf_learn::Problem::signals`].
+    pub fn signals_into(&self, trace: &Trace, signals: &mut Vec<f64>) {
+        self.cost.signals(trace, signals);
     }
 
     /// The names of the cost's terms, in the order of its columns.

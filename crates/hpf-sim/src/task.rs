@@ -5,6 +5,7 @@
 //! SI units; a per-axis value is one number for all axes or an array in axis order.
 
 mod keys;
+mod learning;
 mod rules;
 
 use core::ops::Range;
@@ -13,6 +14,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::{Contact, Disturbance};
+
+pub use learning::{
+    AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
+    TemperatureKind,
+};
 
 /// Most axes a task may have.
 pub const MAX_AXES: usize = 7;
@@ -253,152 +259,6 @@ pub struct CostWeights {
     pub stiffness: PerAxis,
     /// Damping, integrated over time [m^2/(N^2 s^3)].
     pub damping: PerAxis,
-}
-
-/// How to learn.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default)]
-#[schemars(deny_unknown_fields)]
-pub struct Learning {
-    /// The learning method.
-    pub method: Method,
-    /// Where the settings below start from.
-    pub preset: Preset,
-    /// Number of updates.
-    #[schemars(range(min = 1, max = 1_000_000))]
-    pub updates: usize,
-    /// Rollouts per update.
-    #[schemars(range(min = 2, max = 100_000))]
-    pub rollouts: usize,
-    /// Stop before more motions than this are made; every motion counts, evaluations too.
-    #[schemars(range(min = 1))]
-    pub max_rollouts: Option<usize>,
-    /// Standard deviation of the exploration at the first update.
-    pub noise: Noise,
-    /// When exploration is drawn; the preset decides where this is left out.
-    pub exploration: Option<ExplorationKind>,
-    /// How exploration shrinks over the updates.
-    pub anneal: AnnealKind,
-    /// Exploration at the last update, as a fraction of the first.
-    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1))]
-    pub final_noise: f64,
-    /// How costs become weights; the preset decides where this is left out.
-    pub temperature: Option<TemperatureKind>,
-    /// Which cost a step answers for; the preset decides where this is left out.
-    pub credit: Option<CreditKind>,
-    /// The path that learning starts from.
-    pub initial_path: InitialPath,
-    /// Seed of all random numbers.
-    pub seed: u64,
-}
-
-impl Default for Learning {
-    fn default() -> Self {
-        Self {
-            method: Method::Pi2,
-            preset: Preset::Pi2,
-            updates: 100,
-            rollouts: 20,
-            max_rollouts: None,
-            noise: Noise::default(),
-            exploration: None,
-            anneal: AnnealKind::Linear,
-            final_noise: 0.1,
-            temperature: None,
-            credit: None,
-            initial_path: InitialPath::Pull,
-            seed: 1,
-        }
-    }
-}
-
-/// A learning method.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-pub enum Method {
-    /// Policy improvement with path integrals.
-    #[serde(rename = "pi2")]
-    Pi2,
-}
-
-/// Settings of PI2 to start from.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Preset {
-    /// The canonical method: one draw per rollout, range weights with h = 10, cost to go.
-    Pi2,
-    /// The paper's reading: noise at every step, a fixed lambda, the full sum as cost.
-    Paper,
-}
-
-/// Standard deviation of the exploration, by primitive.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(default)]
-#[schemars(deny_unknown_fields)]
-pub struct Noise {
-    /// Of the movement's weights [1].
-    pub movement: PerAxis,
-    /// Of the stiffness's weights [N/m].
-    pub stiffness: PerAxis,
-    /// Of the damping's weights [N s/m].
-    pub damping: PerAxis,
-}
-
-impl Default for Noise {
-    fn default() -> Self {
-        Self { movement: PerAxis::All(10.0), stiffness: PerAxis::All(20.0), damping: PerAxis::All(5.0) }
-    }
-}
-
-/// When exploration is drawn.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ExplorationKind {
-    /// Once per rollout.
-    Rollout,
-    /// At every step.
-    Step,
-}
-
-/// How exploration shrinks.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AnnealKind {
-    /// Not at all.
-    None,
-    /// In equal differences.
-    Linear,
-    /// In equal ratios.
-    Geometric,
-}
-
-/// How costs become weights: a table with one of the two keys.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum TemperatureKind {
-    /// softmax(-range (S - min)/(max - min)).
-    Range(#[schemars(extend("exclusiveMinimum" = 0))] f64),
-    /// softmax(-S/lambda), in the unit of the cost.
-    Lambda(#[schemars(extend("exclusiveMinimum" = 0))] f64),
-}
-
-/// Which cost a step answers for.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CreditKind {
-    /// What comes after it.
-    ToGo,
-    /// The whole rollout's.
-    Total,
-}
-
-/// The path that learning starts from.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum InitialPath {
-    /// The bare pull to the goal: all weights nought.
-    Pull,
-    /// Minimum jerk from start to goal, fitted.
-    MinimumJerk,
 }
 
 /// What to keep.

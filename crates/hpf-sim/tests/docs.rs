@@ -121,6 +121,7 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
         ("[cost]", "CostWeights"),
         ("[learning]", "Learning"),
         ("[learning] noise", "Noise"),
+        ("[learning] covariance", "CovarianceKind"),
         ("[output]", "Output"),
         ("[accept]", "Accept"),
     ] {

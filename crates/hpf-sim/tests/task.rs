@@ -133,7 +133,13 @@ fn a_value_of_the_wrong_type_says_what_it_is_and_what_it_must_be() {
     one(REACH, ("[[axis]]", "[axis]"), "[axis]", "`axis` cannot be a table", axes);
     let position = "`position` must be an array of numbers";
     one(VIA_POINT, ("position = [0.6, 0.8]", "position = 0.6"), "0.6", "`position` cannot be a number", position);
-    one(VIA_POINT, ("method = \"pi2\"", "method = 2"), "2", "`method` cannot be a number", "`method` must be \"pi2\"");
+    one(
+        VIA_POINT,
+        ("method = \"pi2\"", "method = 2"),
+        "2",
+        "`method` cannot be a number",
+        "`method` must be \"pi2\" or \"gauss-newton\" or \"auto\"",
+    );
 }
 
 #[test]
@@ -249,7 +255,7 @@ fn kinds_and_names_are_listed() {
 
 #[test]
 fn a_table_with_one_key_of_several_says_which() {
-    let help = "temperature takes one of: range, lambda";
+    let help = "temperature takes one of: range, lambda, effective_size";
     for (table, place, message) in [
         (
             "{ range = 10.0, lambda = 1.0 }",
@@ -261,7 +267,7 @@ fn a_table_with_one_key_of_several_says_which() {
     ] {
         one(REACH, ("seed = 1", &format!("temperature = {table}")), place, message, help);
     }
-    let both = "`temperature` must be a table { range = ... } or a table { lambda = ... }";
+    let both = "`temperature` must be \"rank\" or a table { range = ... } or a table { lambda = ... } or a table { effective_size = ... }";
     one(REACH, ("seed = 1", "temperature = 10.0"), "10.0", "`temperature` cannot be a number", both);
 }
 

@@ -54,7 +54,8 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         say(&render::json(&summary, Some(&place), &files))?;
     } else {
         let next = format!("hpf run {place} --rate 1000");
-        say(&render::learned(&loaded.task, &summary, &place, &files, &next))?;
+        let notes: Vec<String> = learned.history.notes.iter().map(ToString::to_string).collect();
+        say(&render::learned(&loaded.task, &summary, &notes, &place, &files, &next))?;
     }
     match learned.failure {
         Some(reason) => Err(Failure::Work(format!("{reason}; the best policy before that is in {place}"))),
@@ -101,8 +102,8 @@ impl Learned {
         };
         watch_for_ctrl_c();
         let started = Instant::now();
-        let options = task.learning.pi2_options();
-        let learned = hpf_learn::learn(&simulation, weights, options, task.learning.max_rollouts, observe);
+        let method = task.learning.method();
+        let learned = hpf_learn::learn_with(&simulation, weights, &method, task.learning.max_rollouts, observe);
         let time = started.elapsed();
         meter.finish();
         if let Some(error) = log_failure {
@@ -110,7 +111,7 @@ impl Learned {
         }
         let (history, failure) = match learned {
             Ok(history) => (history, None),
-            Err(LearnError::BadStart) => return Err(bad_task(&LearnError::BadStart)),
+            Err(refused @ (LearnError::BadStart | LearnError::NoSignals)) => return Err(bad_task(&refused)),
             Err(LearnError::Update { reason, history }) => (*history, Some(reason.to_string())),
         };
         let mut policy = start.with_weights(&history.best.weights);
@@ -130,6 +131,7 @@ impl Learned {
                 format!("the next update would pass max_rollouts = {}", task.learning.max_rollouts.unwrap_or_default())
             }
             (None, Stop::Asked) => "it was interrupted".into(),
+            (None, Stop::Settled(reason)) => reason.to_string(),
         }
     }
 }
@@ -150,7 +152,7 @@ fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started
         task: run.task.name.clone(),
         task_sha256: sha256(&loaded.text),
         policy_sha256: sha256(&policy),
-        method: "pi2",
+        method: run.task.learning.method.name(),
         seed: run.task.learning.seed,
         threads: rayon::current_num_threads(),
         updates: history.updates,

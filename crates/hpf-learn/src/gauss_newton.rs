@@ -1,0 +1,461 @@
+//! Learning from signals: Gauss-Newton on what rollouts measure, as ask and tell.
+//!
+//! The cost is `J = 1/2 |rho(w)|^2 + price(w)`, rho the weighted signals of a rollout ([`SignalModel`]). No model of
+//! robot or environment: the response of rho to w is learned from rollouts, stage by stage.
+//! 1. **Look**: the start twice, for the noise (four times more where there is any), and each group of parameters
+//!    moved alone: signals of other groups that answer show a coupling, and all groups become one.
+//! 2. **Bend**: each block moved by one unit and by half of it, and each pair: how far from linear it answers.
+//! 3. **Columns**: each parameter moved alone, in all groups at once.
+//! 4. **Try**: Levenberg-Marquardt steps of several dampings. **Correct**: from where they led, the model steps again,
+//!    which takes back what bending cost. The cheapest of these becomes the base if it is cheaper, group by group.
+//! 5. Where three rounds in a row gain next to nothing, 3 again; where that does not help either, 2 and 3 with smaller
+//!    perturbations; where those do not help or noise would hide them, learning ends.
+//!
+//! What is known of the response and its secant updates: `response.rs`. All samples lie within the bounds of their
+//! blocks; perturbations are never larger than the blocks' noise, and are halved where a rollout has no finite signals.
+//! The batches asked for do not depend on how many rollouts are made at a time.
+//!
+//! This is not PI2: it needs signals, and a response that is smooth at the size of the perturbations.
+
+use rand::RngExt as _;
+
+use crate::noise::stream;
+use crate::response::{Point, Response, bend_plan};
+use crate::{Block, SignalGroup, SignalModel};
+
+/// Dampings tried in a round, times the current one.
+const TRIALS: [f64; 3] = [0.1, 1.0, 10.0];
+/// Corrections made in a round: from the trials the model expects most of.
+const CORRECTIONS: usize = 2;
+/// Change of the damping when a correction was the cheapest.
+const AFTER_CORRECTION: f64 = 0.3;
+/// Change of the damping when nothing was cheaper.
+const AFTER_FAILURE: f64 = 10.0;
+/// Dampings stay within this of one, and one over it.
+const MOST_DAMPING: f64 = 1e9;
+/// A round that gains a smaller share of the cost than this has stalled.
+const LEAST_GAIN: f64 = 1e-3;
+/// Rounds stalled in a row before the columns are learned anew, or learning ends.
+const MOST_STALLS: usize = 3;
+/// Further looks at the start where the first two differ.
+const MORE_LOOKS: usize = 4;
+/// Groups are coupled where one moves another's signals by this share of the energy of its own.
+const COUPLING: f64 = 1e-4;
+/// The same for noisy signals, times what noise alone does.
+const SIGNIFICANT_COUPLING: f64 = 5.0;
+/// The perturbations shrink at most this often where nothing improves.
+const MOST_SHRINKS: usize = 3;
+
+/// Settings of learning from signals; none of them has a scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GaussNewtonOptions {
+    /// Most rollouts made at a time; changes nothing else.
+    pub rollouts: usize,
+    /// Most updates, a round of trials each.
+    pub updates: usize,
+    /// Seed of the signs of the perturbations.
+    pub seed: u64,
+}
+
+impl Default for GaussNewtonOptions {
+    fn default() -> Self {
+        Self { rollouts: 20, updates: 100, seed: 1 }
+    }
+}
+
+/// Why learning ended by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Settled {
+    /// With the response freshly learned, no step lowers the cost.
+    NothingImproves,
+    /// The noise of the signals hides what smaller perturbations do.
+    Noise,
+    /// Even small perturbations leave no finite signals.
+    NoSignals,
+}
+
+impl core::fmt::Display for Settled {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::NothingImproves => "nothing improves: no step lowers the cost, with the response freshly learned",
+            Self::Noise => "nothing improves, and the noise of the signals hides what smaller perturbations do",
+            Self::NoSignals => "no perturbation, however small, leaves finite signals",
+        })
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Look,
+    Listen,
+    Bend,
+    Columns,
+    Try,
+    Correct,
+}
+
+/// The learner.
+///
+/// ```
+/// use hpf_learn::{Block, GaussNewton, GaussNewtonOptions, SignalGroup, SignalModel};
+/// // Two parameters, two signals: rho = (w0 - 3, w1 w1 - 4), so J is nought at w = (3, 2).
+/// let block = |name: &str| Block {
+///     name: name.into(), count: 1, features: vec![], activations: vec![], min: 0.0, max: 10.0, noise: 0.5,
+/// };
+/// let model = SignalModel {
+///     groups: vec![SignalGroup { parameters: 0..2, signals: 0..2 }],
+///     price: vec![vec![], vec![]],
+/// };
+/// let mut learner = GaussNewton::new(&[block("a"), block("b")], &model, vec![1.0, 1.0], GaussNewtonOptions::default());
+/// while learner.settled().is_none() {
+///     let signals: Vec<Vec<f64>> = learner.ask().iter().map(|w| vec![w[0] - 3.0, w[1] * w[1] - 4.0]).collect();
+///     learner.tell(&signals);
+/// }
+/// assert!((learner.weights()[0] - 3.0).abs() < 1e-3 && (learner.weights()[1] - 2.0).abs() < 1e-3);
+/// ```
+#[derive(Clone, Debug)]
+pub struct GaussNewton {
+    blocks: Vec<Block>,
+    model: SignalModel,
+    options: GaussNewtonOptions,
+    groups: Vec<Response>,
+    /// lambda of each group.
+    damping: Vec<f64>,
+    /// Ways of the perturbations, one sign per parameter.
+    signs: Vec<f64>,
+    stage: Stage,
+    queue: Vec<Vec<f64>>,
+    told: Vec<Rollout>,
+    /// Rollouts of the stage before that this one needs.
+    kept: Vec<Rollout>,
+    /// In `Columns`: the parameter of each sample in the queue, counted within its group.
+    columns: Vec<usize>,
+    update: usize,
+    stalls: usize,
+    is_fresh: bool,
+    /// How often the perturbations may yet shrink.
+    shrinks: usize,
+    is_coupled: bool,
+    settled: Option<Settled>,
+}
+
+impl GaussNewton {
+    /// A learner that starts from `weights`, all blocks one after the other.
+    pub fn new(blocks: &[Block], model: &SignalModel, weights: Vec<f64>, options: GaussNewtonOptions) -> Self {
+        let mut generator = stream(options.seed, 0, 0);
+        let signs = weights.iter().map(|_| if generator.random::<bool>() { 1.0 } else { -1.0 }).collect();
+        let groups: Vec<Response> =
+            model.groups.iter().map(|group| Response::new(group, blocks, model, &weights)).collect();
+        let mut learner = Self {
+            blocks: blocks.to_vec(),
+            model: model.clone(),
+            options,
+            damping: vec![1.0; groups.len()],
+            groups,
+            signs,
+            stage: Stage::Look,
+            queue: Vec::new(),
+            told: Vec::new(),
+            kept: Vec::new(),
+            columns: Vec::new(),
+            update: 0,
+            stalls: 0,
+            is_fresh: true,
+            shrinks: MOST_SHRINKS,
+            is_coupled: false,
+            settled: None,
+        };
+        learner.plan_look();
+        learner
+    }
+
+    /// The same, ending instead of trying smaller perturbations: for signals whose response has kinks.
+    #[must_use]
+    pub(crate) fn without_shrinking(mut self) -> Self {
+        self.shrinks = 0;
+        self
+    }
+
+    /// The samples to roll out next: at most the options' `rollouts`, none once learning has settled.
+    pub fn ask(&self) -> &[Vec<f64>] {
+        &self.queue[..self.queue.len().min(self.options.rollouts.max(1))]
+    }
+
+    /// Takes the signals of the first samples of [`GaussNewton::ask`], one vector per sample in their order.
+    /// Returns how many were rejected because a signal is not finite.
+    pub fn tell(&mut self, signals: &[Vec<f64>]) -> usize {
+        let samples = self.queue.drain(..signals.len());
+        self.told.extend(samples.zip(signals).map(|(weights, signals)| Rollout { weights, signals: signals.clone() }));
+        if self.queue.is_empty() && self.settled.is_none() {
+            let mut told = core::mem::take(&mut self.kept);
+            told.append(&mut self.told);
+            match self.stage {
+                Stage::Look => self.looked(told),
+                Stage::Listen => self.listened(told),
+                Stage::Bend => self.bent(&told),
+                Stage::Columns => self.answered(&told),
+                Stage::Try => self.tried(told),
+                Stage::Correct => self.corrected(&told),
+            }
+        }
+        signals.iter().filter(|signals| !signals.iter().all(|signal| signal.is_finite())).count()
+    }
+
+    /// The best known parameters. Where groups are independent they may never have been rolled out together.
+    pub fn weights(&self) -> Vec<f64> {
+        self.sample(|_, group| group.base.weights.clone())
+    }
+
+    /// How far each parameter may go from the base until all of them together are expected to double the cost; at most
+    /// its perturbation.
+    pub fn scales(&self) -> Vec<f64> {
+        self.sample(|_, group| group.scales())
+    }
+
+    /// Rounds of trials made.
+    pub fn update(&self) -> usize {
+        self.update
+    }
+
+    /// Why learning is over, once it is.
+    pub fn settled(&self) -> Option<Settled> {
+        self.settled
+    }
+
+    /// Whether groups were found to act on each other's signals.
+    pub fn is_coupled(&self) -> bool {
+        self.is_coupled
+    }
+
+    /// Size of the steps the damping allows, in units of the perturbations: the largest over the groups.
+    pub fn reach(&self) -> f64 {
+        self.damping.iter().map(|damping| 1.0 / damping.sqrt()).fold(0.0, f64::max)
+    }
+
+    /// All parameters, each group's from `part`.
+    fn sample(&self, part: impl Fn(usize, &Response) -> Vec<f64>) -> Vec<f64> {
+        let parts = self.groups.iter().enumerate().flat_map(|(a, group)| part(a, group));
+        parts.collect()
+    }
+
+    fn plan_look(&mut self) {
+        let start = self.weights();
+        self.queue = vec![start.clone(), start];
+        if self.groups.len() > 1 {
+            for a in 0..self.groups.len() {
+                let alone = |b: usize, group: &Response| {
+                    group.perturbed(|j| if a == b { self.signs[group.parameters.start + j] } else { 0.0 })
+                };
+                self.queue.push(self.sample(alone));
+            }
+        }
+        self.stage = Stage::Look;
+    }
+
+    /// Halves every perturbation; false, and the end, where nothing is left of them.
+    fn halve(&mut self) -> bool {
+        for group in &mut self.groups {
+            (0..group.units.len()).for_each(|j| group.halve(j));
+        }
+        let is_left = self.groups.iter().any(|group| group.units.iter().any(|unit| *unit > 0.0));
+        if !is_left {
+            self.settled = Some(Settled::NoSignals);
+        }
+        is_left
+    }
+
+    fn looked(&mut self, told: Vec<Rollout>) {
+        if !told[..2].iter().all(Rollout::is_finite) {
+            self.settled = Some(Settled::NoSignals);
+        } else if !told.iter().all(Rollout::is_finite) {
+            if self.halve() {
+                self.plan_look();
+            }
+        } else if told[0].signals == told[1].signals {
+            self.listened(told);
+        } else {
+            self.queue = vec![self.weights(); MORE_LOOKS];
+            self.stage = Stage::Listen;
+            self.kept = told;
+        }
+    }
+
+    /// `told`: two looks, each group alone where there are several, further looks.
+    fn listened(&mut self, told: Vec<Rollout>) {
+        let alone = if self.groups.len() > 1 { self.groups.len() } else { 0 };
+        let is_look = |i: usize| i < 2 || i >= 2 + alone;
+        let looks: Vec<&Rollout> =
+            told.iter().enumerate().filter(|(i, rollout)| is_look(*i) && rollout.is_finite()).map(|(_, r)| r).collect();
+        let settle = |group: &mut Response| {
+            group.settle(&looks.iter().map(|look| look.of(group)).collect::<Vec<_>>());
+        };
+        self.groups.iter_mut().for_each(settle);
+        let change =
+            |group: &Response, rollout: &Rollout| (rollout.of(group).signals - &group.base.signals).norm_squared();
+        self.is_coupled = self.groups.iter().enumerate().any(|(b, group)| {
+            let others = (0..alone).filter(|a| *a != b);
+            let own = if alone > 0 { change(group, &told[2 + b]) } else { 0.0 };
+            let most = COUPLING * own + SIGNIFICANT_COUPLING * 2.0 * group.noise;
+            others.map(|a| change(group, &told[2 + a])).any(|change| change > most)
+        });
+        if self.is_coupled {
+            let weights = self.weights();
+            let signals = self.groups.last().map_or(0, |group| group.signals.end);
+            let whole = SignalGroup { parameters: 0..weights.len(), signals: 0..signals };
+            self.groups = vec![Response::new(&whole, &self.blocks, &self.model, &weights)];
+            self.damping = vec![1.0];
+            self.groups.iter_mut().for_each(settle);
+        }
+        self.plan_bend();
+    }
+
+    fn plan_bend(&mut self) {
+        let most = self.groups.iter().map(|group| group.blocks.len()).max().unwrap_or(0);
+        let moved = |group: &Response, blocks: &[usize], size: f64| {
+            let moving: Vec<_> = blocks.iter().filter_map(|&b| group.blocks.get(b)).collect();
+            let is_moving = |j: usize| moving.iter().any(|block| block.contains(&j));
+            group.perturbed(|j| if is_moving(j) { size * self.signs[group.parameters.start + j] } else { 0.0 })
+        };
+        let plan = bend_plan(most);
+        self.queue = plan.iter().map(|(blocks, size)| self.sample(|_, group| moved(group, blocks, *size))).collect();
+        self.stage = Stage::Bend;
+    }
+
+    fn bent(&mut self, told: &[Rollout]) {
+        if told.iter().all(Rollout::is_finite) {
+            let plan = bend_plan(self.groups.iter().map(|group| group.blocks.len()).max().unwrap_or(0));
+            for group in &mut self.groups {
+                // A group with fewer blocks than the largest has no use for the rest of the plan.
+                let own =
+                    plan.iter().zip(told).filter(|((blocks, _), _)| blocks.iter().all(|&b| b < group.blocks.len()));
+                group.learn_bends(&own.map(|(_, rollout)| rollout.of(group)).collect::<Vec<_>>());
+            }
+            let most = self.groups.iter().map(|group| group.units.len()).max().unwrap_or(0);
+            self.plan_columns((0..most).collect());
+        } else if self.halve() {
+            self.plan_bend();
+        }
+    }
+
+    fn plan_columns(&mut self, columns: Vec<usize>) {
+        let alone = |j: usize| self.sample(|_, group| group.perturbed(|i| if i == j { 1.0 } else { 0.0 }));
+        self.queue = columns.iter().map(|&j| alone(j)).collect();
+        self.columns = columns;
+        self.stage = Stage::Columns;
+    }
+
+    fn answered(&mut self, told: &[Rollout]) {
+        let mut again = Vec::new();
+        for (&j, rollout) in self.columns.iter().zip(told) {
+            for group in self.groups.iter_mut().filter(|group| j < group.units.len()) {
+                if rollout.is_finite() {
+                    group.learn_secant(&rollout.of(group));
+                } else {
+                    group.halve(j);
+                }
+            }
+            let is_left = |group: &Response| group.units.get(j).is_some_and(|unit| *unit > 0.0);
+            if !rollout.is_finite() && self.groups.iter().any(is_left) {
+                again.push(j);
+            }
+        }
+        if again.is_empty() {
+            self.plan_trials();
+        } else {
+            self.plan_columns(again);
+        }
+    }
+
+    fn plan_trials(&mut self) {
+        let step = |a: usize, group: &Response, factor: f64| {
+            group.step(&group.base, self.damping[a] * factor).map_or_else(|| group.base.weights.clone(), |step| step.0)
+        };
+        self.queue = TRIALS.map(|factor| self.sample(|a, group| step(a, group, factor))).to_vec();
+        self.stage = Stage::Try;
+    }
+
+    fn tried(&mut self, told: Vec<Rollout>) {
+        let plans: Vec<Vec<Vec<f64>>> = self
+            .groups
+            .iter()
+            .zip(&self.damping)
+            .map(|(group, damping)| {
+                let steps = told.iter().zip(TRIALS).filter_map(|(rollout, factor)| {
+                    let from = rollout.of(group);
+                    if from.cost.is_finite() { group.step(&from, damping * factor) } else { None }
+                });
+                let mut steps: Vec<(Vec<f64>, f64)> = steps.collect();
+                steps.sort_by(|a, b| a.1.total_cmp(&b.1));
+                steps.into_iter().map(|step| step.0).collect()
+            })
+            .collect();
+        let plan = |a: usize, group: &Response, i: usize| plans[a].get(i).unwrap_or(&group.base.weights).clone();
+        self.queue = (0..CORRECTIONS).map(|i| self.sample(|a, group| plan(a, group, i))).collect();
+        self.kept = told;
+        self.stage = Stage::Correct;
+    }
+
+    /// `told`: the trials, then the corrections.
+    fn corrected(&mut self, told: &[Rollout]) {
+        let cost = |groups: &[Response]| groups.iter().map(|group| group.base.cost).sum::<f64>();
+        let before = cost(&self.groups);
+        for (group, damping) in self.groups.iter_mut().zip(&mut self.damping) {
+            let mut points: Vec<Point> = told.iter().map(|rollout| rollout.of(group)).collect();
+            let best = (0..points.len()).min_by(|&a, &b| points[a].cost.total_cmp(&points[b].cost)).unwrap_or(0);
+            let is_cheaper = points[best].cost < group.base.cost;
+            *damping *= match TRIALS.get(best) {
+                _ if !is_cheaper => AFTER_FAILURE,
+                Some(factor) => *factor,
+                None => AFTER_CORRECTION,
+            };
+            *damping = damping.clamp(1.0 / MOST_DAMPING, MOST_DAMPING);
+            let next = is_cheaper.then(|| points.swap_remove(best));
+            points.iter().for_each(|point| group.learn_secant(point));
+            if let Some(next) = next {
+                group.move_to(next);
+            }
+        }
+        self.update += 1;
+        if before - cost(&self.groups) > LEAST_GAIN * before {
+            (self.stalls, self.is_fresh) = (0, false);
+        } else {
+            self.stalls += 1;
+        }
+        if self.stalls < MOST_STALLS {
+            self.plan_trials();
+        } else if self.is_fresh && self.shrinks == 0 {
+            self.settled = Some(Settled::NothingImproves);
+        } else if self.is_fresh && self.groups.iter().all(Response::is_hidden_when_smaller) {
+            self.settled = Some(Settled::Noise);
+        } else if self.is_fresh {
+            self.shrinks -= 1;
+            self.stalls = 0;
+            self.damping.fill(1.0);
+            self.groups.iter_mut().for_each(Response::shrink);
+            self.plan_bend();
+        } else {
+            (self.stalls, self.is_fresh) = (0, true);
+            self.damping.fill(1.0);
+            self.groups.iter_mut().for_each(Response::doubt_all);
+            self.plan_columns((0..self.groups.iter().map(|group| group.units.len()).max().unwrap_or(0)).collect());
+        }
+    }
+}
+
+/// A sample and the signals it led to.
+#[derive(Clone, Debug)]
+struct Rollout {
+    weights: Vec<f64>,
+    signals: Vec<f64>,
+}
+
+impl Rollout {
+    fn is_finite(&self) -> bool {
+        self.signals.iter().all(|signal| signal.is_finite())
+    }
+
+    /// The part of `group`.
+    fn of(&self, group: &Response) -> Point {
+        group.point(&self.weights, &self.signals)
+    }
+}
