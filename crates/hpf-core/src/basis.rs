@@ -229,13 +229,13 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
         let mut total = Mixture { sum: T::ZERO, mixed: [[T::ZERO; K]; M] };
         match self.family {
-            Family::Phase => total.add(self.relative(s), weights.map(|set| set.map(<[T]>::iter))),
+            Family::Phase => total.add(self.relative(s), weights),
             Family::Time { spacings, fall, last } => {
                 let (k, distance) = nearest(s, spacings, last);
                 let [from, before] = self.around(k, distance, fall);
                 let halves = weights.map(|set| set.map(|list| list.split_at_checked(k).unwrap_or_default()));
-                total.add(from, halves.map(|set| set.map(|(_, from)| from.iter())));
-                total.add(before, halves.map(|set| set.map(|(before, _)| before.iter().rev())));
+                total.add(from, halves.map(|set| set.map(|(_, from)| from)));
+                total.add_backwards(before, halves.map(|set| set.map(|(before, _)| before)));
             }
         }
         total.mixed.map(|set| set.map(|mixed| mixed / total.sum))
@@ -281,6 +281,9 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     }
 }
 
+/// Activations that are gathered before lists are weighed by them: a list at a time then runs through registers.
+const BLOCK: usize = 8;
+
 /// Sums of activations and of weights times activations.
 struct Mixture<T, const K: usize, const M: usize> {
     sum: T,
@@ -288,26 +291,70 @@ struct Mixture<T, const K: usize, const M: usize> {
 }
 
 impl<T: Real, const K: usize, const M: usize> Mixture<T, K, M> {
+    /// Fills `slots` with the next activations and sums them; returns how many there were.
+    #[inline]
+    fn gather<'a>(
+        &mut self,
+        slots: impl Iterator<Item = &'a mut T>,
+        activations: &mut impl Iterator<Item = T>,
+    ) -> usize {
+        let mut count = 0;
+        for (slot, activation) in slots.zip(activations) {
+            *slot = activation;
+            self.sum += activation;
+            count += 1;
+        }
+        count
+    }
+
     /// Adds `activations`, each times the next weight of every list.
     #[inline]
-    fn add<'a>(&mut self, activations: impl Iterator<Item = T>, mut lists: [[impl Iterator<Item = &'a T>; K]; M]) {
-        for activation in activations {
-            self.sum += activation;
+    fn add(&mut self, mut activations: impl Iterator<Item = T>, mut lists: [[&[T]; K]; M]) {
+        loop {
+            let mut block = [T::ZERO; BLOCK];
+            let count = self.gather(block.iter_mut(), &mut activations);
             for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
-                if let Some(&weight) = list.next() {
-                    *mixed += activation * weight;
+                match list.split_first_chunk::<BLOCK>() {
+                    Some((weights, rest)) => {
+                        *mixed = weigh(*mixed, &block, weights);
+                        *list = rest;
+                    }
+                    None => *mixed = weigh(*mixed, &block, *list),
                 }
+            }
+            if count < BLOCK {
+                return;
+            }
+        }
+    }
+
+    /// Adds `activations`, each times the weight before the last one taken from every list, from its end on.
+    #[inline]
+    fn add_backwards(&mut self, mut activations: impl Iterator<Item = T>, mut lists: [[&[T]; K]; M]) {
+        loop {
+            let mut block = [T::ZERO; BLOCK];
+            let count = self.gather(block.iter_mut().rev(), &mut activations);
+            let filled = block.split_at_checked(BLOCK - count).unwrap_or_default().1;
+            for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
+                match list.split_last_chunk::<BLOCK>() {
+                    Some((rest, weights)) => {
+                        *mixed = weigh(*mixed, &block, weights);
+                        *list = rest;
+                    }
+                    None => *mixed = weigh(*mixed, filled, *list),
+                }
+            }
+            if count < BLOCK {
+                return;
             }
         }
     }
 }
 
-/// The nearest center k of the time family and the distance to it in spacings.
+/// `mixed` and each activation times its weight.
 #[inline]
-fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
-    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
-    let k = (t + T::of(0.5)).floor();
-    (k.to_index(), t - k)
+fn weigh<'a, T: Real>(mixed: T, block: impl IntoIterator<Item = &'a T>, weights: impl IntoIterator<Item = &'a T>) -> T {
+    block.into_iter().zip(weights).fold(mixed, |mixed, (&activation, &weight)| mixed + activation * weight)
 }
 
 /// An error unless there are at least two functions.
@@ -336,4 +383,12 @@ fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<T, ConfigError> {
         *center = (-decay * T::of(i as f64) / last).exp();
     }
     Ok(last)
+}
+
+/// The nearest center k of the time family and the distance to it in spacings.
+#[inline]
+fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
+    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
+    let k = (t + T::of(0.5)).floor();
+    (k.to_index(), t - k)
 }
