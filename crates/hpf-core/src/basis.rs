@@ -25,7 +25,8 @@ use crate::{ConfigError, Real, error};
 /// Overlap of neighbours where nothing else is asked for.
 pub const DEFAULT_OVERLAP: f64 = 0.6;
 
-/// A function of the time family that has fallen below this counts as nought: subnormal numbers are slow.
+/// A function of the time family that has fallen below this counts as nought: subnormal numbers are slow, and the powers
+/// of u that go with smaller ones may overflow.
 const NOUGHT_BELOW: f64 = 1e-18;
 
 /// What the functions of a basis are Gaussians of.
@@ -41,6 +42,8 @@ enum Family<T> {
         fall: T,
         /// The last center's number, n-1.
         last: T,
+        /// Spacings from which on a function counts as nought.
+        reach: usize,
     },
 }
 
@@ -126,14 +129,16 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         let fall = fall_to(overlap)?;
         let last = place(decay, centers.as_mut())?;
         error::finite_list("falls", falls.as_ref(), centers.as_ref().len())?;
+        let mut reach = 0;
         for (j, slot) in falls.as_mut().iter_mut().enumerate() {
             let fallen = libm::exp(-fall.to_f64() * (j * j) as f64);
             *slot = if fallen < NOUGHT_BELOW { T::ZERO } else { T::of(fallen) };
+            reach += usize::from(fallen >= NOUGHT_BELOW);
         }
         Ok(Self {
             centers,
             shape: falls,
-            family: Family::Time { spacings: last / decay, fall, last },
+            family: Family::Time { spacings: last / decay, fall, last, reach },
             scalar: PhantomData,
         })
     }
@@ -198,13 +203,13 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
 
     /// Activations of the time family over the nearest one's: from it on, and before it in falling order.
     #[inline]
-    fn around(&self, k: usize, distance: T, fall: T) -> [impl Iterator<Item = T>; 2] {
+    fn around(&self, k: usize, distance: T, fall: T, reach: usize) -> [impl Iterator<Item = T>; 2] {
         let falls = self.shape.as_ref();
+        let near = falls.split_at_checked(reach).unwrap_or_default().0;
         let up = ((fall + fall) * distance).exp();
         let outward = move |ratio: T, skipped: usize, count: usize| {
             let mut power = T::ONE;
-            falls
-                .iter()
+            near.iter()
                 .take(count + skipped)
                 .map(move |&fallen| {
                     let activation = power * fallen;
@@ -229,13 +234,13 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
         let mut total = Mixture { sum: T::ZERO, mixed: [[T::ZERO; K]; M] };
         match self.family {
-            Family::Phase => total.add(self.relative(s), weights.map(|set| set.map(<[T]>::iter))),
-            Family::Time { spacings, fall, last } => {
+            Family::Phase => total.add(self.relative(s), weights),
+            Family::Time { spacings, fall, last, reach } => {
                 let (k, distance) = nearest(s, spacings, last);
-                let [from, before] = self.around(k, distance, fall);
+                let [from, before] = self.around(k, distance, fall, reach);
                 let halves = weights.map(|set| set.map(|list| list.split_at_checked(k).unwrap_or_default()));
-                total.add(from, halves.map(|set| set.map(|(_, from)| from.iter())));
-                total.add(before, halves.map(|set| set.map(|(before, _)| before.iter().rev())));
+                total.add(from, halves.map(|set| set.map(|(_, from)| from)));
+                total.add_backwards(before, halves.map(|set| set.map(|(before, _)| before)));
             }
         }
         total.mixed.map(|set| set.map(|mixed| mixed / total.sum))
@@ -248,9 +253,10 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         };
         match self.family {
             Family::Phase => write(&mut out.iter_mut(), &mut self.relative(s)),
-            Family::Time { spacings, fall, last } => {
+            Family::Time { spacings, fall, last, reach } => {
                 let (k, distance) = nearest(s, spacings, last);
-                let [mut from, mut before] = self.around(k, distance, fall);
+                let [mut from, mut before] = self.around(k, distance, fall, reach);
+                out.fill(T::ZERO);
                 if let Some((first, rest)) = out.split_at_mut_checked(k) {
                     write(&mut rest.iter_mut(), &mut from);
                     write(&mut first.iter_mut().rev(), &mut before);
@@ -270,7 +276,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
                     *slot = exponent.exp();
                 }
             }
-            Family::Time { spacings, fall, last } => {
+            Family::Time { spacings, fall, last, .. } => {
                 let (k, distance) = nearest(s, spacings, last);
                 for (i, slot) in out.iter_mut().enumerate().take(self.count()) {
                     let away = T::of(k as f64 - i as f64) + distance;
@@ -281,6 +287,9 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     }
 }
 
+/// Activations that are gathered before lists are weighed by them: a list at a time then runs through registers.
+const BLOCK: usize = 8;
+
 /// Sums of activations and of weights times activations.
 struct Mixture<T, const K: usize, const M: usize> {
     sum: T,
@@ -288,26 +297,73 @@ struct Mixture<T, const K: usize, const M: usize> {
 }
 
 impl<T: Real, const K: usize, const M: usize> Mixture<T, K, M> {
+    /// Fills `slots` with the next activations and sums them; returns how many there were.
+    #[inline]
+    fn gather<'a>(
+        &mut self,
+        slots: impl Iterator<Item = &'a mut T>,
+        activations: &mut impl Iterator<Item = T>,
+    ) -> usize {
+        let mut count = 0;
+        for (slot, activation) in slots.zip(activations) {
+            *slot = activation;
+            self.sum += activation;
+            count += 1;
+        }
+        count
+    }
+
     /// Adds `activations`, each times the next weight of every list.
     #[inline]
-    fn add<'a>(&mut self, activations: impl Iterator<Item = T>, mut lists: [[impl Iterator<Item = &'a T>; K]; M]) {
-        for activation in activations {
-            self.sum += activation;
+    fn add(&mut self, mut activations: impl Iterator<Item = T>, mut lists: [[&[T]; K]; M]) {
+        loop {
+            let mut block = [T::ZERO; BLOCK];
+            let count = self.gather(block.iter_mut(), &mut activations);
             for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
-                if let Some(&weight) = list.next() {
-                    *mixed += activation * weight;
+                match list.split_first_chunk::<BLOCK>() {
+                    Some((weights, rest)) => {
+                        *mixed = weigh(*mixed, &block, weights);
+                        *list = rest;
+                    }
+                    None => *mixed = weigh(*mixed, &block, *list),
                 }
+            }
+            if count < BLOCK {
+                return;
+            }
+        }
+    }
+
+    /// Adds `activations`, each times the weight before the last one taken from every list, from its end on.
+    #[inline]
+    fn add_backwards(&mut self, mut activations: impl Iterator<Item = T>, mut lists: [[&[T]; K]; M]) {
+        loop {
+            let mut block = [T::ZERO; BLOCK];
+            let count = self.gather(block.iter_mut().rev(), &mut activations);
+            let filled = block.split_at_checked(BLOCK - count).unwrap_or_default().1;
+            for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
+                match list.split_last_chunk::<BLOCK>() {
+                    Some((rest, weights)) => {
+                        *mixed = weigh(*mixed, &block, weights);
+                        *list = rest;
+                    }
+                    None => {
+                        let tail = list.split_at_checked(list.len().saturating_sub(count)).unwrap_or_default().1;
+                        *mixed = weigh(*mixed, filled, tail);
+                    }
+                }
+            }
+            if count < BLOCK {
+                return;
             }
         }
     }
 }
 
-/// The nearest center k of the time family and the distance to it in spacings.
+/// `mixed` and each activation times its weight.
 #[inline]
-fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
-    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
-    let k = (t + T::of(0.5)).floor();
-    (k.to_index(), t - k)
+fn weigh<'a, T: Real>(mixed: T, block: impl IntoIterator<Item = &'a T>, weights: impl IntoIterator<Item = &'a T>) -> T {
+    block.into_iter().zip(weights).fold(mixed, |mixed, (&activation, &weight)| mixed + activation * weight)
 }
 
 /// An error unless there are at least two functions.
@@ -336,4 +392,12 @@ fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<T, ConfigError> {
         *center = (-decay * T::of(i as f64) / last).exp();
     }
     Ok(last)
+}
+
+/// The nearest center k of the time family and the distance to it in spacings.
+#[inline]
+fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
+    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
+    let k = (t + T::of(0.5)).floor();
+    (k.to_index(), t - k)
 }

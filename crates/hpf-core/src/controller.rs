@@ -32,7 +32,7 @@ use reference::Reference;
 
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
 use crate::conditioning::ForceState;
-use crate::limits::{Hits, LARGEST, approach, cut};
+use crate::limits::{Hits, LARGEST, brake, cut};
 use crate::passivity::{kinetic_energy, spring_energy};
 use crate::{AxisPrimitives, ConfigError, HybridPrimitive, Profile, Real, Transition, error};
 
@@ -451,13 +451,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 }
             }
             let limits = &settings.limits;
-            let toward = |distance: T| approach(distance, limits.acceleration, dt) * dt;
-            let wanted = state.offset.offset - before.offset;
-            let (give, held) =
-                cut(wanted, -toward(limits.offset + before.offset), toward(limits.offset - before.offset));
-            let (velocity, mut hits) = limits.velocity(command.position, command.velocity, (travel + give) / dt, dt);
+            let wanted = (state.offset.offset - before.offset) / dt;
+            let room = [limits.offset + before.offset, limits.offset - before.offset];
+            let (giving, held) = brake(wanted, room, limits.acceleration, dt);
+            let (velocity, mut hits) = limits.velocity(command.position, command.velocity, travel / dt + giving, dt);
             if held || hits.any_motion() {
-                let give = if hits.any_motion() { velocity * dt - travel } else { give };
+                let give = if hits.any_motion() { velocity * dt - travel } else { giving * dt };
                 let offset = before.offset + give;
                 let (kept, dragged) = cut(offset, -limits.offset, limits.offset);
                 state.offset = OffsetMotion { offset: kept, velocity: give / dt };

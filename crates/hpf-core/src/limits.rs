@@ -58,12 +58,18 @@ impl Hits {
     }
 }
 
-/// The fastest approach to a wall `distance` ahead that `acceleration` can still stop, over a step of `dt`.
+/// The part of the velocity `wanted` that `acceleration` can still stop before a wall, `room` = distance to the wall
+/// below and above, over a step of `dt`; and whether it is less than all. The root is taken only at a wall.
 #[inline]
-pub(crate) fn approach<T: Real>(distance: T, acceleration: T, dt: T) -> T {
-    let room = acceleration * distance.max(T::ZERO);
-    let change = acceleration * dt;
-    (room + room) / (change + (change * change + room + room).sqrt())
+pub(crate) fn brake<T: Real + PartialOrd>(wanted: T, room: [T; 2], acceleration: T, dt: T) -> (T, bool) {
+    let [below, above] = room;
+    let (speed, distance) = (wanted.abs(), if wanted < T::ZERO { below } else { above });
+    let (reach, change) = (acceleration * distance.max(T::ZERO), acceleration * dt);
+    if speed * (T::of(0.5) * speed + change) <= reach {
+        return (wanted, false);
+    }
+    let most = (reach + reach) / (change + (change * change + reach + reach).sqrt());
+    (if wanted < T::ZERO { -most.min(speed) } else { most.min(speed) }, most < speed)
 }
 
 /// `value` brought into `[min, max]`, and whether it had to be.
@@ -126,9 +132,7 @@ impl<T: Real + PartialOrd> Limits<T> {
         let [min, max] = self.position;
         let change = self.acceleration * dt;
         let (found, too_fast) = cut(wanted, -self.velocity, self.velocity);
-        let down = -approach(position - min, self.acceleration, dt);
-        let up = approach(max - position, self.acceleration, dt);
-        let (found, walled) = cut(found, down, up);
+        let (found, walled) = brake(found, [position - min, max - position], self.acceleration, dt);
         let (found, jerked) = cut(found, velocity - change, velocity + change);
         (found, Hits { velocity: too_fast, position: walled, acceleration: jerked, ..Hits::default() })
     }

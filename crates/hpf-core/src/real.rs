@@ -52,10 +52,7 @@ pub trait Real:
     /// The larger of two; a NaN loses.
     fn max(self, other: Self) -> Self;
     /// The magnitude.
-    #[inline]
-    fn abs(self) -> Self {
-        self.max(-self)
-    }
+    fn abs(self) -> Self;
     /// `below` where `self < bound`, else `otherwise` (also for NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
     /// Whether the value is neither infinite nor NaN.
@@ -102,11 +99,16 @@ macro_rules! impl_real {
             }
             #[inline]
             fn min(self, other: Self) -> Self {
-                $float::min(self, other)
+                // Written out: without an instruction for it, as on a Cortex-M4F, the standard one is a call.
+                if self < other || other.is_nan() { self } else { other }
             }
             #[inline]
             fn max(self, other: Self) -> Self {
-                $float::max(self, other)
+                if self > other || other.is_nan() { self } else { other }
+            }
+            #[inline]
+            fn abs(self) -> Self {
+                $float::abs(self)
             }
             #[inline]
             fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self {

@@ -284,6 +284,16 @@ fn a_basis_that_can_be_built_can_be_mixed_at_every_phase() {
 }
 
 #[test]
+fn narrow_functions_of_the_time_family_do_not_overflow() {
+    // Half way between two centers u = 1/overlap = 100, and 100^39 is no number in single precision.
+    let basis = basis_in_single_precision(4.6, 0.01, 40);
+    for i in 0..=400_u16 {
+        let [mixed] = basis.mix((-4.6 * f32::from(i) / 390.0).exp(), [&[7.0; 40]]);
+        assert!((mixed - 7.0).abs() < 1e-5, "{mixed} at {i}");
+    }
+}
+
+#[test]
 fn a_basis_that_primitives_share_is_evaluated_once_and_alike() {
     let list = |scale: f64| -> [f64; 5] { core::array::from_fn(|i| 50.0 + scale * i as f64) };
     let axis = AxisPrimitives {

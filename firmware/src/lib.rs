@@ -1,0 +1,136 @@
+//! One movement of a policy in flash: what the host and the microcontroller both compute, to the bit.
+
+#![no_std]
+
+use hpf_core::controller::{AxisOutput, Controller, Input, Request, Settings};
+use hpf_core::limits::Limits;
+use hpf_core::passivity::EnergyTank;
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+
+/// Functions of each basis.
+pub const N: usize = 20;
+/// Axes.
+pub const D: usize = 2;
+/// Updates of one movement: two seconds at 1 kHz, and half a second at the goal.
+pub const UPDATES: u32 = 2500;
+
+const DECAY: f32 = 4.605_17;
+const GOAL: [f32; D] = [0.30, -0.15];
+
+/// The policy, in flash.
+static MOVEMENT: [[f32; N]; D] = [
+    [-40., -30., -20., -5., 10., 25., 35., 45., 55., 60., 55., 50., 40., 30., 20., 10., 5., 0., 0., 0.],
+    [10., 0., -10., -20., -30., -30., -20., -10., 0., 10., 20., 25., 20., 15., 10., 5., 5., 0., 0., 0.],
+];
+static STIFFNESS: [[f32; N]; D] = [
+    [60., 60., 65., 70., 80., 90., 100., 120., 140., 160., 180., 200., 220., 240., 260., 280., 290., 300., 300., 300.],
+    [
+        300., 300., 290., 280., 260., 240., 220., 200., 190., 180., 170., 160., 155., 150., 150., 150., 150., 150.,
+        150., 150.,
+    ],
+];
+static DAMPING: [[f32; N]; D] =
+    [[20., 20., 21., 22., 24., 26., 28., 30., 33., 36., 40., 43., 46., 50., 53., 56., 58., 60., 60., 60.], [50.; N]];
+
+/// The two families of basis functions.
+#[derive(Clone, Copy, Debug)]
+pub enum Family {
+    /// Gaussians of the phase.
+    Phase,
+    /// Gaussians of time.
+    Time,
+}
+
+/// A controller with the policy's weights in flash, limits, filter, dead zone and tank on.
+pub type Arm = Controller<f32, &'static [f32; N], D>;
+
+/// Room for the lists of a basis, which the caller owns.
+pub type Room = [[f32; N]; 2];
+
+/// Fills `room` with a basis and builds the controller on it.
+///
+/// # Errors
+/// None for this policy.
+pub fn arm(family: Family, room: &'static mut Room) -> Result<Arm, ConfigError> {
+    let basis = match family {
+        Family::Phase => Basis::equally_spaced(DECAY, 0.6, [0.0; N], [0.0; N]),
+        Family::Time => Basis::equally_spaced_in_time(DECAY, 0.6, [0.0; N], [0.0; N]),
+    }?;
+    let [centers, shape] = room;
+    centers.copy_from_slice(basis.centers());
+    shape.copy_from_slice(basis.widths());
+    let basis: Basis<f32, &'static [f32; N]> = basis.stored(&*centers, &*shape)?;
+    let axis = |goal, movement, stiffness, damping| {
+        Ok::<_, ConfigError>(AxisPrimitives {
+            movement: Movement::new(0.0, goal, 25.0, goal, movement)?,
+            stiffness: Gain::new(30.0, 400.0, stiffness)?,
+            damping: Gain::new(10.0, 100.0, damping)?,
+        })
+    };
+    let [gx, gy] = GOAL;
+    let ([mx, my], [kx, ky], [dx, dy]) = (&MOVEMENT, &STIFFNESS, &DAMPING);
+    let axes = [axis(gx, mx, kx, dx)?, axis(gy, my, ky, dy)?];
+    let skill = HybridPrimitive::new(Phase::new(2.0, DECAY)?, [basis; 3], axes)?;
+    let limits = Limits { force: 50.0, offset: 0.2, velocity: 1.0, acceleration: 20.0, position: [-0.5, 0.5] };
+    let mut settings = Settings::compliant([limits; D]);
+    settings.conditioning.cutoff = Some(100.0);
+    settings.conditioning.dead_zone = [0.5; D];
+    settings.tank = Some(EnergyTank::new(2.0, 0.0, 0.9, 100.0)?);
+    Controller::new(skill, settings, [0.0; D])
+}
+
+/// The input of update `tick`: a push to and fro, a broken reading every 97 updates.
+pub fn input(tick: u32) -> Input<f32, D> {
+    // A triangle, so that no library function shapes the input.
+    let ramp = (tick % 400) as f32 * 0.05;
+    let push = if ramp < 10.0 { ramp } else { 20.0 - ramp };
+    let measured_force = if tick % 97 == 96 { [f32::NAN; D] } else { [push, -push] };
+    let request = (tick == 0).then_some(Request::Start);
+    Input { measured_force, force_age: 0, measured_position: None, rate: 1.0, request }
+}
+
+/// FNV-1a over the bits of every command.
+#[derive(Clone, Copy, Debug)]
+pub struct Fingerprint(pub u64);
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fingerprint {
+    /// Adds the command of one axis.
+    pub fn add(&mut self, command: &AxisOutput<f32>) {
+        for value in [command.position, command.velocity, command.stiffness, command.damping] {
+            for byte in value.to_bits().to_le_bytes() {
+                self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        }
+    }
+}
+
+/// What a movement of each family must come to, on every machine: the failing test below prints it.
+pub const GOLDEN: [(Family, u64); 2] = [(Family::Phase, 0x2112_2f54_56da_729e), (Family::Time, 0x3c06_709e_bbd3_01df)];
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::boxed::Box;
+
+    use super::*;
+
+    #[test]
+    fn the_host_computes_the_golden_bits() {
+        for (family, golden) in GOLDEN {
+            let mut arm = arm(family, Box::leak(Box::default())).unwrap();
+            let mut print = Fingerprint::default();
+            for tick in 0..UPDATES {
+                for axis in arm.update(&input(tick), 1e-3).axes {
+                    print.add(&axis);
+                }
+            }
+            assert_eq!(print.0, golden, "{family:?}: {:#018x}", print.0);
+        }
+    }
+}

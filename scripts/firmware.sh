@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Runs a skill on emulated microcontrollers (QEMU: Cortex-M4F and M7) and compares its bits with the host's.
+# Installs what it needs: the Rust target by rustup, qemu-system-arm from Debian. Exits non-zero if a check fails; where
+# the tools cannot be installed it says so and exits 0 with nothing checked.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../firmware"
+
+target=thumbv7em-none-eabihf
+skip() {
+    echo "SKIPPED: $1; nothing was run on an emulated microcontroller"
+    exit 0
+}
+if ! rustup target list --installed 2>/dev/null | grep -qx "$target"; then
+    rustup target add "$target" || skip "the Rust target $target cannot be installed"
+fi
+if ! command -v qemu-system-arm >/dev/null; then
+    { apt-get update && apt-get install -y --no-install-recommends qemu-system-arm; } ||
+        skip "qemu-system-arm cannot be installed"
+fi
+
+host=$(rustc -vV | sed -n 's/^host: //p')
+echo "== golden bits on the host"
+cargo test --locked --release --lib --target "$host" --quiet
+
+run() { # name, machine, further compiler flags
+    echo "== $1"
+    RUSTFLAGS="-C link-arg=-Tlink.x $3" cargo build --locked --release --quiet
+    timeout 120 qemu-system-arm -machine "$2" -nographic -monitor none -serial none \
+        -semihosting-config enable=on,target=native -icount shift=6 \
+        -kernel "${CARGO_TARGET_DIR:-target}/$target/release/hpf-firmware"
+}
+run "Cortex-M4F" mps2-an386 "-C target-cpu=cortex-m4"
+run "Cortex-M7" mps2-an500 "-C target-cpu=cortex-m7"
