@@ -25,7 +25,7 @@ use std::path::Path;
 
 use foxglove::messages::Timestamp;
 use foxglove::messages::log::Level;
-use hpf_sim::Simulation;
+use hpf_sim::Metric;
 use hpf_sim::task::Task;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
@@ -213,15 +213,14 @@ impl Log {
     }
 }
 
-/// Writes the log of a run under a temporary name, and renames it.
+/// Writes the log of a run, with the measures of its motion, under a temporary name, and renames it.
 ///
 /// # Errors
 /// What the system says; what was at `path` is untouched then.
-pub fn write(path: &Path, head: &Head<'_>, run: &Run) -> io::Result<()> {
-    let metrics = Simulation::new(&run.task, &run.policy).map_err(io::Error::other)?.metrics(&run.trajectory);
+pub fn write(path: &Path, head: &Head<'_>, run: &Run, metrics: &[Metric]) -> io::Result<()> {
     let partial = path.with_added_extension("partial");
     let written = Log::create(&partial, head).and_then(|mut log| {
-        log.run(run, &metrics).map_err(to_io)?;
+        log.run(run, metrics).map_err(to_io)?;
         log.finish()
     });
     written.and_then(|()| fs::rename(&partial, path)).inspect_err(|_| {

@@ -7,11 +7,13 @@ use hpf_learn::Progress;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, Disturbance, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
-use hpf_sim::{AxisTrace, ContactTrace, Policy, Trace};
+use hpf_sim::{AxisTrace, ContactTrace, Metric, Policy, Trace};
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::{in_file, read_policy, read_task, read_text};
+use crate::files::{in_file, read_policy, read_task, read_text, while_writing};
+use crate::log::Head;
+use crate::{figure, log};
 
 /// A run: the task as run, the policy it led to, and the way there.
 pub struct Run {
@@ -207,8 +209,20 @@ pub fn own_tables(task: &mut Task) -> Vec<OwnTable> {
     tables
 }
 
+/// Writes all of a run but its task and summary, the policy first; returns the text of the policy.
+pub fn save(run: &Run, task_text: &str, metrics: &[Metric], folder: &mut Unfinished) -> Result<String, Failure> {
+    let policy = run.policy.to_json();
+    folder.write("policy.json", &policy)?;
+    write_tables(run, folder)?;
+    let path = folder.path("log.mcap");
+    log::write(&path, &Head::new(&run.task, task_text, &policy), run, metrics).map_err(while_writing(&path))?;
+    folder.written("log.mcap");
+    figure::draw_into(run, folder)?;
+    Ok(policy)
+}
+
 /// Writes every table of a run.
-pub fn write_tables(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
+fn write_tables(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
     folder.write("learning.csv", learning_csv(&run.learning))?;
     folder.write("trajectory.csv", trajectory_csv(&run.task, &run.trajectory))?;
     for (update, trace) in &run.snapshots {

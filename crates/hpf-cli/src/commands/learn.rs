@@ -17,7 +17,7 @@ use crate::log::{Head, Log};
 use crate::progress::Meter;
 use crate::results::{LearningRow, Run};
 use crate::summary::Summary;
-use crate::{figure, log, overrides, render, results};
+use crate::{overrides, render, results};
 
 /// Set by Ctrl-C: learning ends after the running update.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -136,18 +136,11 @@ impl Learned {
     }
 }
 
-/// Writes everything that was learned; the policy first.
+/// Writes everything that was learned, and says what it came to.
 fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started: Instant) -> Result<Summary, Failure> {
     let Learned { run, history, simulation, .. } = learned;
-    let policy = run.policy.to_json();
-    folder.write("policy.json", &policy)?;
-    results::write_tables(run, folder)?;
-
-    let head = Head::new(&run.task, &loaded.text, &policy);
-    log::write(&folder.path("log.mcap"), &head, run).map_err(while_writing(&folder.path("log.mcap")))?;
-    folder.written("log.mcap");
-    figure::draw_into(run, folder)?;
-
+    let metrics = simulation.metrics(&run.trajectory);
+    let policy = results::save(run, &loaded.text, &metrics, folder)?;
     let summary = Summary {
         task: run.task.name.clone(),
         task_sha256: sha256(&loaded.text),
@@ -162,7 +155,7 @@ fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started
         total_s: started.elapsed().as_secs_f64(),
         initial: (history.initial.total, history.initial.terms.clone()),
         last: (history.best.total, history.best.terms.clone()),
-        metrics: simulation.metrics(&run.trajectory),
+        metrics,
         rejected: history.rejected,
         stopped_because: learned.stopped_because(&run.task),
     };

@@ -3,16 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hpf_sim::{Policy, Simulation};
+use hpf_sim::Simulation;
 
 use crate::cli::{Common, Simulate};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, in_file, read_policy, read_task, say, sha256, while_writing};
-use crate::log::{self, Head};
+use crate::files::{in_file, read_policy, read_task, say, sha256};
 use crate::results::{LearningRow, Run};
 use crate::summary::Summary;
-use crate::{figure, overrides, render, results};
+use crate::{overrides, render, results};
 
 /// What `--set` may change: the policy decides the rest.
 const ENVIRONMENT: [&str; 6] = ["rate", "disturbance", "contact", "via_point", "cost", "accept"];
@@ -65,7 +64,8 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
             for table in &tables {
                 folder.write(&table.name, &table.csv)?;
             }
-            save(&loaded, &run, &mut folder)?;
+            folder.write("task.toml", &loaded.text)?;
+            results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
             summary.total_s = started.elapsed().as_secs_f64();
             folder.write("summary.json", format!("{:#}\n", summary.to_json()))
         })();
@@ -114,16 +114,4 @@ fn changes(options: &Simulate, common: &Common) -> Result<Vec<String>, Failure> 
     changes.extend(options.rate.map(|rate| format!("rate={rate:?}")));
     changes.extend(common.seed.map(|seed| format!("learning.seed={seed}")));
     Ok(changes)
-}
-
-fn save(loaded: &LoadedTask, run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
-    let policy: &Policy = &run.policy;
-    let policy = policy.to_json();
-    folder.write("task.toml", &loaded.text)?;
-    folder.write("policy.json", &policy)?;
-    results::write_tables(run, folder)?;
-    let head = Head::new(&run.task, &loaded.text, &policy);
-    log::write(&folder.path("log.mcap"), &head, run).map_err(while_writing(&folder.path("log.mcap")))?;
-    folder.written("log.mcap");
-    figure::draw_into(run, folder)
 }

@@ -49,7 +49,8 @@ fn path(test: &str) -> PathBuf {
 
 fn log_of(run: &Run, test: &str) -> Vec<u8> {
     let path = path(test);
-    write(&path, &Head::new(&run.task, TASK, &run.policy.to_json()), run).unwrap();
+    let metrics = Simulation::new(&run.task, &run.policy).unwrap().metrics(&run.trajectory);
+    write(&path, &Head::new(&run.task, TASK, &run.policy.to_json()), run, &metrics).unwrap();
     let bytes = fs::read(&path).unwrap();
     fs::remove_file(&path).unwrap();
     bytes
