@@ -204,7 +204,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];
         let slots = commands.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(measured_force).zip(profiles);
         for ((((command, state), axis), force), Profile { forcing, stiffness, damping }) in slots {
-            let transition = Transition::new(axis.movement.alpha(), rate * dt / duration);
+            let transition = Transition::new(axis.movement.alpha(), (rate * dt / duration).min(largest));
             transition.apply(&mut state.reference, axis.movement.goal(), forcing);
             let mut give = T::ZERO;
             if force.is_finite() {
