@@ -158,17 +158,23 @@ pub(crate) const fn instance<T: Scalar, const D: usize>() -> &'static Instance<T
     const { &Slot::<T, D>::INSTANCE }
 }
 
-/// What `pointer` points to, if it is neither null nor misaligned.
+/// Refuses a pointer that is null or not aligned.
+fn usable<V>(pointer: *const V) -> Outcome {
+    match (pointer.is_null(), pointer.is_aligned()) {
+        (true, _) => Err(HPF_NULL_POINTER.into()),
+        (false, false) => Err(HPF_MISALIGNED.into()),
+        (false, true) => Ok(()),
+    }
+}
+
+/// What `pointer` points to, if it is usable.
 ///
 /// # Safety
 /// It then points to a value that nobody writes to meanwhile.
 unsafe fn checked<'a, V>(pointer: *const V) -> Result<&'a V, Refusal> {
-    match (pointer.is_null(), pointer.is_aligned()) {
-        (true, _) => Err(HPF_NULL_POINTER.into()),
-        (false, false) => Err(HPF_MISALIGNED.into()),
-        // SAFETY: by contract.
-        (false, true) => Ok(unsafe { &*pointer }),
-    }
+    usable(pointer)?;
+    // SAFETY: by contract.
+    Ok(unsafe { &*pointer })
 }
 
 /// The struct at `pointer`, if it says that it is one of this version and size.
@@ -217,7 +223,7 @@ unsafe fn known<T: Scalar>(pointer: *const Instance<T>) -> Result<&'static Insta
 unsafe fn made<T: Scalar>(handle: *const Handle<T>) -> Result<&'static Instance<T>, Refusal> {
     // SAFETY: by contract; each field is looked at only if the one before it is right.
     unsafe {
-        checked(handle.cast::<[u64; 1]>())?;
+        usable(handle)?;
         let marked = ptr::addr_of!((*handle).mark).read() == T::MARK;
         if marked && ptr::eq(ptr::addr_of!((*handle).own).read(), handle) {
             known(ptr::from_ref(ptr::addr_of!((*handle).instance).read()))
@@ -275,9 +281,10 @@ unsafe fn policy_for<'a, T: Scalar>(
 pub(crate) unsafe fn size<T: Scalar>(instance: *const Instance<T>, policy: *const Policy<T>, bytes: *mut usize) -> i32 {
     let needed = || {
         // SAFETY: by contract.
-        let (instance, _) = unsafe { (known(instance)?, checked(bytes)?) };
+        let instance = unsafe { known(instance)? };
         // SAFETY: by contract.
         let policy = unsafe { policy_for(instance, policy)? };
+        usable(bytes)?;
         let (count, _) = numbers(policy, instance.axes)?;
         // SAFETY: checked above.
         unsafe { bytes.write(instance.bytes + count * size_of::<T>()) };
@@ -300,7 +307,7 @@ pub(crate) unsafe fn create<T: Scalar>(
     let made = || {
         // SAFETY: by contract.
         unsafe {
-            checked(controller.cast_const())?;
+            usable(controller)?;
             controller.write(ptr::null_mut());
             let instance = known(instance)?;
             if memory.is_null() {
@@ -370,7 +377,7 @@ pub(crate) unsafe fn compliant<T: Scalar>(settings: *mut Settings<T>, axes: u32,
         }
         // SAFETY: by contract.
         unsafe {
-            checked(limits)?;
+            usable(limits)?;
             write(settings)?.write_compliant(core::slice::from_raw_parts(limits, axes));
         }
         Ok(())

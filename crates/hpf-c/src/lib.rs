@@ -27,5 +27,15 @@ mod storage;
 #[cfg(feature = "bare")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    #[cfg(feature = "prove")]
+    {
+        unsafe extern "C" {
+            /// Defined nowhere.
+            fn hpf_panic_is_reachable() -> !;
+        }
+        // SAFETY: a program that could get here does not link.
+        unsafe { hpf_panic_is_reachable() }
+    }
+    #[cfg(not(feature = "prove"))]
     loop {}
 }

@@ -44,6 +44,8 @@ pub const HPF_NOT_DECREASING: i32 = 16;
 /// What `status` means; never null, never freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn hpf_status_text(status: i32) -> *const c_char {
+    #[cfg(feature = "negative-panic")]
+    let status = [HPF_OK, HPF_NULL_POINTER][status as usize];
     text(status).as_ptr()
 }
 

@@ -1,8 +1,8 @@
 //! What crosses the border is what the controller says, bit for bit; what cannot cross is refused with a reason.
 
-use std::ffi::CStr;
-use std::mem::offset_of;
-use std::ptr::{null, null_mut};
+use core::ffi::CStr;
+use core::mem::offset_of;
+use core::ptr::{null, null_mut};
 
 use hpf_c::abi::*;
 use hpf_c::f32::hpf_f32_axes_2;
@@ -20,7 +20,7 @@ const N: usize = 20;
 fn prepared<V>() -> V {
     // SAFETY: every struct of the border holds numbers and raw pointers: noughts are a value, size and version come first.
     unsafe {
-        let mut value: V = std::mem::zeroed();
+        let mut value: V = core::mem::zeroed();
         (&raw mut value).cast::<[u32; 2]>().write([size_of::<V>() as u32, HPF_ABI_VERSION]);
         value
     }
@@ -29,9 +29,9 @@ fn prepared<V>() -> V {
 fn weights(axis: usize) -> [[f64; N]; 3] {
     let wave = |i: usize| ((3 * i + axis) as f64).sin();
     [
-        std::array::from_fn(|i| 2.0 * wave(i)),
-        std::array::from_fn(|i| 200.0 + 100.0 * wave(i)),
-        std::array::from_fn(|i| 50.0 + 20.0 * wave(i)),
+        core::array::from_fn(|i| 2.0 * wave(i)),
+        core::array::from_fn(|i| 200.0 + 100.0 * wave(i)),
+        core::array::from_fn(|i| 50.0 + 20.0 * wave(i)),
     ]
 }
 
@@ -51,7 +51,7 @@ impl Caller {
     fn new(axes: u32, family: u32, lists: u32) -> Box<Self> {
         let basis = Basis::equally_spaced(DECAY, 0.6, [0.0; N], [0.0; N]).unwrap();
         let mut caller = Box::new(Self {
-            lists: std::array::from_fn(weights),
+            lists: core::array::from_fn(weights),
             centers: basis.centers().try_into().unwrap(),
             widths: basis.widths().try_into().unwrap(),
             policy: prepared(),
@@ -150,7 +150,7 @@ fn controller<const D: usize>(time: bool) -> Controller<f64, [f64; N], D> {
         true => Basis::equally_spaced_in_time(DECAY, 0.6, noughts, noughts),
         false => Basis::equally_spaced(DECAY, 0.6, noughts, noughts),
     };
-    let axes = std::array::from_fn(|axis| {
+    let axes = core::array::from_fn(|axis| {
         let [movement, stiffness, damping] = weights(axis);
         AxisPrimitives {
             movement: Movement::new(0.0, 0.3, 25.0, 0.3, movement).unwrap(),
