@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# Compiles and runs the C and C++ examples against the static and the shared library, warnings denied; tries the CMake
+# recipe; proves by linking that no function of the interface reaches a panic. Ends with 0 only if all of it holds.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS CARGO_BUILD_TARGET
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$(cd ../.. && pwd)/target}/hpf-c"
+warnings=(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror)
+
+surprise() {
+    echo "FAILED  $1"
+    exit 1
+}
+
+cargo build --quiet --release --package hpf-c
+built="$CARGO_TARGET_DIR/release"
+cc -std=c99 "${warnings[@]}" -Iinclude -c examples/reach.c -o "$work/c.o"
+c++ -std=c++17 "${warnings[@]}" -Iinclude -c examples/reach.cpp -o "$work/cpp.o"
+cc "$work/c.o" "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/c_static"
+c++ "$work/cpp.o" "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/cpp_static"
+cc "$work/c.o" -L"$built" -Wl,-rpath,"$built" -lhpf_c -lm -o "$work/c_shared"
+c++ "$work/cpp.o" -L"$built" -Wl,-rpath,"$built" -lhpf_c -lm -o "$work/cpp_shared"
+"$work/c_static"
+"$work/cpp_static"
+"$work/c_shared" >/dev/null
+"$work/cpp_shared" >/dev/null
+echo "passed  C and C++ examples, static and shared"
+
+# The interface without the standard library, every function named, dead code dropped. The panic handler calls a function
+# that exists nowhere: a program from which it can be reached does not link.
+bare() { # features, further arguments
+    CARGO_PROFILE_RELEASE_PANIC=abort CARGO_PROFILE_RELEASE_LTO=fat CARGO_PROFILE_RELEASE_CODEGEN_UNITS=1 \
+        cargo rustc --quiet --release --package hpf-c --crate-type staticlib --target-dir "$CARGO_TARGET_DIR/bare" \
+        --features "$1" "${@:2}"
+}
+link() { # program, source
+    cc -std=c99 -O1 -Iinclude "$2" "$CARGO_TARGET_DIR/bare/release/libhpf_c.a" -nodefaultlibs -Wl,--gc-sections -lc -lm \
+        -o "$work/$1" 2>"$work/link.log"
+}
+{
+    echo '#include "hpf.h"'
+    echo 'typedef void (*entry)(void); volatile entry used; int main(void) {'
+    grep -oE '\bhpf_[a-z0-9_]+\(' include/hpf.h | sort -u | sed 's/\(.*\)(/  used = (entry)\1;/'
+    echo '  return 0; }'
+} >"$work/all.c"
+[ "$(grep -c 'used = ' "$work/all.c")" -ge 31 ] || surprise "the header lacks functions"
+bare negative-panic
+if link control "$work/all.c"; then surprise "an index out of bounds links: the proof proves nothing"; fi
+grep -q hpf_panic_is_reachable "$work/link.log" || surprise "the control fails to link for another reason"
+bare prove
+link all "$work/all.c" || { cat "$work/link.log"; surprise "a panic is reachable, or more than C's library is needed"; }
+echo "proved  no function of the interface reaches a panic; the control, an index out of bounds, does not link"
+
+size_of() { size "$1" | awk 'NR == 2 { print $1 }'; }
+link one examples/reach.c
+"$work/one" >/dev/null
+echo "size    text of the C example with one instance: $(size_of "$work/one") bytes; of all 14: $(size_of "$work/all")"
+
+if command -v cmake >/dev/null; then
+    { cmake -S . -B "$work/cmake" && cmake --build "$work/cmake" && ctest --test-dir "$work/cmake"; } \
+        >"$work/cmake.log" 2>&1 || { cat "$work/cmake.log"; surprise "the CMake recipe"; }
+    echo "passed  CMake recipe"
+else
+    echo "SKIPPED: there is no cmake here, the recipe was not tried"
+fi
+
+if [ -d "$(rustc --print sysroot)/lib/rustlib/thumbv7em-none-eabihf" ]; then
+    bare bare --target thumbv7em-none-eabihf
+    echo "passed  builds for thumbv7em-none-eabihf"
+else
+    echo "SKIPPED: the target thumbv7em-none-eabihf is not installed"
+fi
