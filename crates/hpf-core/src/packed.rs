@@ -25,7 +25,7 @@
 //!
 //! Bases are of the phase family (see [`basis`](crate::basis)).
 
-use core::{array, fmt, mem};
+use core::{array, fmt, iter, mem};
 
 use crate::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase, Real};
 
@@ -303,10 +303,18 @@ impl<'a> Packed<'a> {
 
     /// Its numbers, in the order of the table above.
     pub fn values<T: Real>(&self) -> impl Iterator<Item = T> + use<'a, T> {
-        self.numbers.chunks_exact(self.head.scalar.width()).map(|bytes| match *bytes {
-            [a, b, c, d] => T::of(f32::from_le_bytes([a, b, c, d]).into()),
-            [a, b, c, d, e, f, g, h] => T::of(f64::from_le_bytes([a, b, c, d, e, f, g, h])),
-            _ => T::ZERO,
+        let (scalar, mut rest) = (self.head.scalar, self.numbers);
+        iter::from_fn(move || match scalar {
+            Scalar::Single => {
+                let (bytes, next) = rest.split_first_chunk()?;
+                rest = next;
+                Some(T::of(f32::from_le_bytes(*bytes).into()))
+            }
+            Scalar::Double => {
+                let (bytes, next) = rest.split_first_chunk()?;
+                rest = next;
+                Some(T::of(f64::from_le_bytes(*bytes)))
+            }
         })
     }
 
