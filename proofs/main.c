@@ -1,7 +1,10 @@
 /* Calls everything the proof exports, so that the linker must keep it, and checks that it works. */
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { N = 20, D = 2, ROOM = 8192 };
 
@@ -35,7 +38,55 @@ typedef double f64;
 TRY(f32)
 TRY(f64)
 
+bool hpf_f32_unpack(const uint8_t *bytes, size_t length, f32 position[2]);
+bool hpf_f64_unpack(const uint8_t *bytes, size_t length, f64 position[2]);
+
+static uint8_t packed[4096];
+static size_t length;
+
+static void put(const void *bytes, size_t count) {
+    memcpy(packed + length, bytes, count);
+    length += count;
+}
+
+static void number(f64 value) { put(&value, sizeof value); }
+
+static void list(f64 first, f64 step) {
+    for (int i = 0; i < N; i++) number(first + step * i);
+}
+
+/* Packs a skill on a little-endian machine, reads it whole, then with each byte damaged. */
+static bool try_unpack(void) {
+    const uint8_t head[16] = {'H', 'P', 'F', 'S', 1, 0, 8, D, N, 0, N, 0, N, 0, 0, 0};
+    put(head, sizeof head);
+    number(1), number(4.6);
+    for (int basis = 0; basis < 3; basis++) list(1, -0.04), list(50, 1);
+    for (int axis = 0; axis < D; axis++) {
+        number(0), number(1), number(25), number(1), list(0, 1);
+        number(30), number(400), list(100, 5);
+        number(10), number(100), list(50, 1);
+    }
+    uint32_t sum = UINT32_MAX;
+    for (size_t i = 0; i < length; i++) {
+        sum ^= packed[i];
+        for (int bit = 0; bit < 8; bit++) sum = (sum >> 1) ^ (sum & 1 ? 0xEDB88320u : 0);
+    }
+    sum = ~sum;
+    put(&sum, sizeof sum);
+    f64 twice[2] = {0, 1};
+    f32 single[2] = {0, 1};
+    if (!hpf_f64_unpack(packed, length, twice) || !hpf_f32_unpack(packed, length, single)) return false;
+    printf("  packed: x = %.6f m after a step, %zu bytes\n", twice[0], length);
+    bool same = twice[0] == twice[1] && single[0] == single[1] && fabs(twice[0] - single[0]) < 1e-6;
+    for (size_t i = 0; i < length; i++) {
+        packed[i] ^= 0x40;
+        same = same && !hpf_f64_unpack(packed, length, twice) && !hpf_f64_unpack(packed, i, twice);
+        packed[i] ^= 0x40;
+    }
+    return same;
+}
+
 int main(void) {
     bool single = try_f32(), twice = try_f64();
-    return single && twice ? 0 : 1;
+    return single && twice && try_unpack() ? 0 : 1;
 }

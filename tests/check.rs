@@ -197,3 +197,87 @@ fn bad_arguments_exit_with_2() {
         expect(2, folder.path(), arguments);
     }
 }
+
+/// A policy of the via point task with these gains over time, on all axes, as policy.json.
+fn write_policy(folder: &Path, stiffness: impl Fn(usize) -> f64, damping: f64) {
+    let task = hpf_sim::Task::parse(&read(task("via_point.toml"))).unwrap();
+    let mut policy = hpf_sim::Policy::initial(&task).unwrap();
+    for axis in &mut policy.axes {
+        axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, weight)| *weight = stiffness(i));
+        axis.damping.weights.fill(damping);
+    }
+    std::fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
+}
+
+/// The certificates that `hpf check` gives.
+fn certificates(folder: &Path, more: &[&str]) -> serde_json::Value {
+    let (stdout, _) = expect(0, folder, &[&["check", "policy.json", "--json"], more].concat());
+    serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["certificates"].take()
+}
+
+#[test]
+fn constant_gains_are_certified_passive_with_the_numbers_of_the_closed_form() {
+    let folder = folder();
+    write_policy(folder.path(), |_| 100.0, 50.0);
+    let found = certificates(folder.path(), &["--load", "20"]);
+    let number = |key: &str| found["axes"][1][key].as_f64().unwrap();
+    assert_eq!((found["rate_hz"].as_f64(), found["delay_s"].as_f64()), (Some(1000.0), Some(0.001)));
+    assert_eq!(found["axes"][1]["passive"], true);
+    // Rounding of a mixture of equal weights is all that rises.
+    assert!(number("switched_energy_j") < 1e-9, "{found:#}");
+    assert!((number("largest_offset") - 0.2).abs() < 1e-8); // f/k after 20 time constants
+    assert!((number("contact_stiffness_limit") - 50_000.0).abs() < 1e-3); // one sample late: d/h
+    // Without forcing x'' = alpha beta (g - x)/tau^2 at the start, and x' is largest at 2 tau/alpha: alpha/(2 e tau).
+    assert!((number("peak_acceleration") - 25.0 * 6.25 / 25.0).abs() < 1e-9);
+    assert!((number("peak_velocity") - 25.0 / (2.0 * 1.0_f64.exp() * 5.0)).abs() < 1e-6);
+}
+
+#[test]
+fn a_policy_that_stiffens_quickly_is_said_to_be_not_passive_and_from_when() {
+    let folder = folder();
+    write_policy(folder.path(), |i| if i < 10 { 30.0 } else { 400.0 }, 10.0);
+    let found = certificates(folder.path(), &["--rate", "1000", "--delay", "0.01"]);
+    let axis = &found["axes"][0];
+    // The weights change between the centers at 2.37 and 2.63 s.
+    let time = axis["not_passive_from_s"].as_f64().unwrap();
+    assert!(axis["passive"] == false && (2.0..3.0).contains(&time), "{found:#}");
+    let offset = axis["largest_offset"].as_f64().unwrap();
+    let energy = axis["switched_energy_j"].as_f64().unwrap();
+    assert!(offset <= 10.0 / 30.0 && offset > 0.33, "{found:#}");
+    assert!((energy / (0.5 * 370.0 * offset * offset) - 1.0).abs() < 1e-3, "{found:#}");
+    // Ten samples late: within a thousandth of (pi/2) d/(delay + h/2).
+    let limit = axis["contact_stiffness_limit"].as_f64().unwrap();
+    assert!((limit / (core::f64::consts::FRAC_PI_2 * 10.0 / 0.0105) - 1.0).abs() < 1e-2, "{found:#}");
+    let (text, _) = expect(0, folder.path(), &["check", "policy.json"]);
+    assert!(text.contains("NOT from 2.") && text.contains("any force to 10.00 N"), "{text}");
+}
+
+#[test]
+fn a_run_is_certified_at_the_rate_of_its_task() {
+    let folder = folder();
+    write_policy(folder.path(), |_| 100.0, 50.0);
+    std::fs::copy(task("via_point.toml"), folder.path().join("task.toml")).unwrap();
+    let (text, _) = expect(0, folder.path(), &["check", "."]);
+    assert!(text.contains("a valid policy") && text.contains("at 100.0 Hz, measured force 10.00 ms late"), "{text}");
+    assert_eq!(certificates(folder.path(), &["--rate", "500"])["rate_hz"], 500.0);
+}
+
+#[test]
+fn conditions_that_cannot_be_are_refused() {
+    let folder = folder();
+    write_policy(folder.path(), |_| 100.0, 50.0);
+    for (option, value) in [
+        ("--rate", "0"),
+        ("--rate", "nan"),
+        ("--rate", "-1"),
+        ("--delay", "-0.1"),
+        ("--load", "inf"),
+        ("--rate", "900000"),
+    ] {
+        let argument = format!("{option}={value}");
+        let (_, stderr) = expect(2, folder.path(), &["check", "policy.json", &argument]);
+        assert!(stderr.contains("policy.json: ") && stderr.contains("must lie in"), "{argument}: {stderr}");
+    }
+    let (_, stderr) = expect(2, folder.path(), &["check", &task("reach.toml"), "--rate", "100"]);
+    assert!(stderr.contains("--set rate=HZ"), "{stderr}");
+}

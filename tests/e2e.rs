@@ -4,6 +4,7 @@ mod acceptance;
 mod check;
 mod continuous;
 mod directory;
+mod export;
 mod info;
 mod learn;
 mod plot;

@@ -1,5 +1,5 @@
-//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped without a reachable panic and without a
-//! heap.
+//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped, and a packed skill is read, without a
+//! reachable panic and without a heap.
 //!
 //! The panic handler calls a function that exists nowhere, so a program links only if the linker finds no way from
 //! the functions exported here to a panic. There is no global allocator, so code that allocates does not build.
@@ -14,6 +14,7 @@ use core::mem::MaybeUninit;
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Damping, Input, Law, Request, Settings, Timing};
 use hpf_core::limits::Limits;
+use hpf_core::packed::{Packed, PackedError};
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, HybridState, Movement, Phase, Real};
 
@@ -140,8 +141,32 @@ impl<T: Real + PartialOrd> Run<T> {
     }
 }
 
+/// Reads a packed skill, into arrays of its own and into storage, and steps both; returns where the first axis then is.
+fn unpack<T: Real>(bytes: &[u8]) -> Result<[T; 2], PackedError> {
+    let packed = Packed::parse(bytes)?;
+    let owned = packed.skill::<T, N, D>()?;
+    let mut storage = [T::ZERO; 3 * N * (2 + D)];
+    let borrowed = packed.skill_in::<T, D>(&mut storage)?;
+    let [first, _] = owned.step(&mut owned.initial_state(), [T::ONE; D], T::ONE, T::of(0.01));
+    let [second, _] = borrowed.step(&mut borrowed.initial_state(), [T::ONE; D], T::ONE, T::of(0.01));
+    #[cfg(feature = "negative-panic-unpack")]
+    let first = [first][usize::from(bytes[0])];
+    Ok([first.position, second.position])
+}
+
 macro_rules! export {
-    ($float:ident, $new:ident, $step:ident, $update:ident) => {
+    ($float:ident, $new:ident, $step:ident, $update:ident, $unpack:ident) => {
+        /// Reads a packed skill and writes where a step of it leads; returns whether it was accepted.
+        ///
+        /// # Safety
+        /// `bytes` points to `length` bytes, `position` to two numbers.
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $unpack(bytes: *const u8, length: usize, position: *mut [$float; 2]) -> bool {
+            // SAFETY: the caller's promise.
+            let (bytes, position) = unsafe { (core::slice::from_raw_parts(bytes, length), &mut *position) };
+            unpack(bytes).map(|found| *position = found).is_ok()
+        }
+
         /// Writes a skill at its start to `run`; returns whether its parameters were accepted.
         ///
         /// # Safety
@@ -196,5 +221,5 @@ macro_rules! export {
     };
 }
 
-export!(f32, hpf_f32_new, hpf_f32_step, hpf_f32_update);
-export!(f64, hpf_f64_new, hpf_f64_step, hpf_f64_update);
+export!(f32, hpf_f32_new, hpf_f32_step, hpf_f32_update, hpf_f32_unpack);
+export!(f64, hpf_f64_new, hpf_f64_step, hpf_f64_update, hpf_f64_unpack);

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::export::{Format, Precision};
 use crate::style::ColorChoice;
 
 /// Learn, run and inspect compliant robot skills: motion, stiffness and damping in one.
@@ -24,6 +25,7 @@ Examples:
   hpf learn tasks/via_point.toml --seed 2 --out out  another seed, another place
   hpf run runs/cantilever --rate 1000                run what was learned, at 1000 Hz
   hpf check tasks/reach.toml                         is this task file right?
+  hpf export runs/cantilever --format rust           what was learned, for firmware
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
 
@@ -36,8 +38,8 @@ pub struct Common {
     /// Threads for rollouts; the results are the same for any number [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Where results go
-    #[arg(long, global = true, value_name = "DIR")]
+    /// Where results go: a directory; for export a file, or - for stdout
+    #[arg(long, global = true, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Replace existing results
     #[arg(long, global = true)]
@@ -73,9 +75,22 @@ Examples:
     /// Draw the plots of a run again, from its tables
     #[command(after_help = "Example:\n  hpf plot runs/cantilever --out figures")]
     Plot(Plot),
-    /// Check a task or policy file and say what it comes to
-    #[command(after_help = "Example:\n  hpf check tasks/cantilever.toml --set rate=1000")]
+    /// Check a task or policy and say what it comes to; a policy with its certificates
+    #[command(after_help = "\
+Examples:
+  hpf check tasks/cantilever.toml --set rate=1000
+  hpf check runs/cantilever --rate 1000 --delay 0.004 --load 20
+
+Certificates of a policy, by axis: whether its gains are passive from rest (first order), the energy that rising stiffness can
+put in under any force within --load, the stiffest contact for a force --delay late, the fastest reference.")]
     Check(Check),
+    /// Write a policy for firmware: Rust, C or binary
+    #[command(after_help = "\
+Examples:
+  hpf export runs/cantilever --format rust --scalar f32
+  hpf export runs/cantilever/policy.json --format c --out firmware/cantilever.h
+  hpf export runs/cantilever --format binary --out - | sha256sum")]
+    Export(Export),
     /// Say what is in a task, policy, run directory or MCAP log
     #[command(after_help = "Examples:\n  hpf info runs/cantilever\n  hpf info runs/cantilever/log.mcap")]
     Info(Info),
@@ -120,12 +135,35 @@ pub struct Plot {
 /// `hpf check`
 #[derive(Args, Debug)]
 pub struct Check {
-    /// Task file (TOML) or policy file (JSON)
-    #[arg(value_name = "TASK|POLICY")]
+    /// Task file (TOML), policy file (JSON) or run directory
+    #[arg(value_name = "TASK|POLICY|RUN")]
     pub file: PathBuf,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,
+    /// Control rate of a policy [Hz] [default: that of task.toml beside it, else 1000]
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Age of the measured force [s] [default: one sample]
+    #[arg(long, value_name = "S")]
+    pub delay: Option<f64>,
+    /// Largest force of the environment [N or N m] [default: 10]
+    #[arg(long, value_name = "N")]
+    pub load: Option<f64>,
+}
+
+/// `hpf export`
+#[derive(Args, Debug)]
+pub struct Export {
+    /// Policy file (JSON) or run directory
+    #[arg(value_name = "POLICY|RUN")]
+    pub policy: PathBuf,
+    /// Form [postcard: the same as binary]
+    #[arg(long, value_enum, value_name = "FORM")]
+    pub format: Format,
+    /// Scalar
+    #[arg(long, value_enum, value_name = "SCALAR", default_value = "f64")]
+    pub scalar: Precision,
 }
 
 /// `hpf info`

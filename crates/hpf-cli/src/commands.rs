@@ -1,6 +1,7 @@
 //! The commands, one file each: arguments to options to engine to text.
 
 mod check;
+mod export;
 mod info;
 mod learn;
 mod plot;
@@ -23,6 +24,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Run(options) => simulate::simulate(options, common),
         Command::Plot(options) => plot::plot(options, common),
         Command::Check(options) => check::check(options, common),
+        Command::Export(options) => export::export(options, common),
         Command::Info(options) => info::info(options, common),
     })
 }

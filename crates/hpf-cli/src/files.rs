@@ -3,7 +3,7 @@
 use core::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hpf_sim::Policy;
 use hpf_sim::environment::Disturbance;
@@ -133,6 +133,21 @@ pub fn read_policy(path: &Path) -> Result<Policy, Failure> {
     Policy::parse(&text).map_err(in_file(path))
 }
 
+/// The policy file that is meant: the one named, or that of the run directory named.
+///
+/// # Errors
+/// [`Failure::Input`] for a directory without a policy.
+pub fn policy_path(path: &Path) -> Result<PathBuf, Failure> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let policy = path.join("policy.json");
+    if policy.is_file() {
+        return Ok(policy);
+    }
+    Err(Failure::Input(format!("{}: this is a directory without policy.json, no run", path.display())))
+}
+
 /// SHA-256 of a text, in hexadecimal.
 pub fn sha256(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
@@ -164,7 +179,16 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::Work`] where stdout cannot be written otherwise.
 pub fn say(text: &str) -> Result<(), Failure> {
-    match io::stdout().write_all(text.as_bytes()) {
+    say_bytes(text.as_bytes())
+}
+
+/// [`say`] for what is no text.
+///
+/// # Errors
+/// As for [`say`].
+pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::Work(format!("cannot write the result: {error}")))
         }

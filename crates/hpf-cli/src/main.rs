@@ -5,6 +5,7 @@
 mod cli;
 mod commands;
 mod directory;
+mod export;
 mod failure;
 mod figure;
 mod files;

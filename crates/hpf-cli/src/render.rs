@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
-use hpf_sim::{Metric, Policy};
+use hpf_sim::{Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
 
 use crate::summary::Summary;
@@ -194,6 +194,40 @@ pub fn policy(policy: &Policy) -> String {
         from.updates,
         number(from.cost)
     );
+    text
+}
+
+/// What each axis of a policy can do at worst.
+pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> String {
+    let Conditions { rate, delay, load } = *conditions;
+    let mut text = format!(
+        "certificates, first-order law at {} Hz, measured force {} ms late, over the movement and as long again at its goal\n",
+        number(rate),
+        number(delay * 1e3)
+    );
+    for (axis, certificate) in policy.axes.iter().zip(certificates) {
+        let [unit, force, stiffness, damping] = match axis.unit {
+            Unit::M => ["m", "N", "N/m", "N s/m"],
+            Unit::Rad => ["rad", "N m", "N m/rad", "N m s/rad"],
+        };
+        let passive = match certificate.fails_at {
+            None => "yes, from rest".into(),
+            Some(time) => format!("NOT from {} s on: a tank has to guard it", number(time)),
+        };
+        let (energy, offset) = (number(certificate.switched_energy), measure(certificate.largest_offset, unit));
+        let contact = number(certificate.contact_stiffness);
+        let least = number(certificate.least_damping);
+        let (velocity, acceleration) = (number(certificate.peak_velocity), number(certificate.peak_acceleration));
+        let _ = writeln!(text, "  {}", axis.name);
+        let _ = writeln!(text, "    passive   {passive}");
+        let _ = writeln!(
+            text,
+            "    energy    at most {energy} J from rising stiffness, offset within {offset} (any force to {} {force})",
+            number(load)
+        );
+        let _ = writeln!(text, "    contact   softer than {contact} {stiffness} (damping at least {least} {damping})");
+        let _ = writeln!(text, "    reference at most {velocity} {unit}/s, {acceleration} {unit}/s^2");
+    }
     text
 }
 

@@ -1,4 +1,4 @@
-//! The only error of this crate: a parameter that a constructor refuses.
+//! What a constructor refuses; bytes that are no skill are refused by [`packed`](crate::packed).
 
 use core::fmt;
 

@@ -23,6 +23,7 @@ mod gain;
 mod hybrid;
 pub mod limits;
 pub mod movement;
+pub mod packed;
 pub mod passivity;
 mod phase;
 mod real;

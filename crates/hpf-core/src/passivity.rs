@@ -18,12 +18,13 @@
 //! | W, S, D, E_t | energies | J |
 //!
 //! [`EnergyTank`] pays for switching out of what was dissipated before. [`first_order_fails_at`],
-//! [`inertial_decay`] and [`switched_energy`] judge a schedule of gains before it runs.
+//! [`inertial_decay`], [`largest_offset`] and [`switched_energy`] judge a schedule of gains before it runs,
+//! [`contact_stiffness_limit`] the contact it is run on.
 
 mod certificate;
 mod tank;
 
-pub use certificate::{first_order_fails_at, inertial_decay, switched_energy};
+pub use certificate::{contact_stiffness_limit, first_order_fails_at, inertial_decay, largest_offset, switched_energy};
 pub use tank::EnergyTank;
 
 use crate::Real;

@@ -2,7 +2,8 @@
 
 use hpf_core::admittance::{Inertial, OffsetMotion, step_offset};
 use hpf_core::passivity::{
-    EnergyTank, first_order_fails_at, inertial_decay, kinetic_energy, spring_energy, switched_energy,
+    EnergyTank, contact_stiffness_limit, first_order_fails_at, inertial_decay, kinetic_energy, largest_offset,
+    spring_energy, switched_energy,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -218,4 +219,62 @@ fn every_refusal_names_its_culprit() {
     assert_eq!(refused(1.0, 2.0, 1.0, 1.0), "tank.reserve must lie in [0, 1], not 2");
     assert_eq!(refused(1.0, 0.0, 1.5, 1.0), "tank.refill must lie in [0, 1], not 1.5");
     assert_eq!(refused(1.0, 0.0, 1.0, f64::NAN), "tank.power is not a finite number");
+}
+
+/// Whether an offset dies out on a contact whose force comes `late` steps late, between steps interpolated.
+fn is_stable_on(contact: f64, stiffness: f64, damping: f64, late: f64) -> bool {
+    let (whole, part) = (late.floor() as usize, late.fract());
+    let mut past = vec![0.01; whole + 2];
+    for _ in 0..40_000 {
+        let delayed = (1.0 - part) * past[past.len() - 1 - whole] + part * past[past.len() - 2 - whole];
+        let next = step_offset(past[past.len() - 1], stiffness, damping, -contact * delayed, DT);
+        past.remove(0);
+        past.push(next);
+        if next.abs() > 1.0 {
+            return false;
+        }
+    }
+    past.iter().all(|offset| offset.abs() < 1e-4)
+}
+
+#[test]
+fn the_contact_limit_separates_stable_from_unstable_for_whole_steps_of_delay() {
+    for steps in [0.0, 1.0, 2.0, 5.0] {
+        let limit = contact_stiffness_limit(DAMPING, steps * DT, DT);
+        // A stiffness so small that it moves the limit by less than 1e-6 of itself.
+        assert!(is_stable_on(0.99 * limit, 1e-3, DAMPING, steps), "{steps}");
+        assert!(!is_stable_on(1.01 * limit, 1e-3, DAMPING, steps), "{steps}");
+    }
+}
+
+#[test]
+fn the_contact_limit_is_cautious_between_steps_and_for_a_stiff_tool() {
+    for steps in [0.1, 0.5, 0.9, 1.3, 1.5, 1.8, 4.5] {
+        for stiffness in [1e-3, 400.0] {
+            let limit = contact_stiffness_limit(DAMPING, steps * DT, DT);
+            assert!(is_stable_on(0.99 * limit, stiffness, DAMPING, steps), "{steps} {stiffness}");
+        }
+    }
+}
+
+#[test]
+fn the_contact_limit_of_long_delays_is_that_of_the_continuous_law() {
+    let (delay, continuous) = (0.1, |delay: f64| core::f64::consts::FRAC_PI_2 * DAMPING / (delay + 0.5 * DT));
+    assert!((contact_stiffness_limit(DAMPING, delay, DT) / continuous(delay) - 1.0).abs() < 1e-4);
+    assert!(contact_stiffness_limit(DAMPING, DT, DT) < continuous(DT));
+}
+
+proptest! {
+    #[test]
+    fn no_force_within_its_bound_leads_beyond_the_largest_offset(
+        steps in vec((30.0_f64..400.0, 5.0_f64..100.0, -20.0_f64..20.0), 1..300),
+    ) {
+        let largest = largest_offset(steps.iter().map(|&(k, d, _)| (k, d)), 20.0, DT);
+        prop_assert!(largest <= 20.0 / 30.0);
+        let mut offset = 0.0;
+        for &(stiffness, damping, force) in &steps {
+            offset = step_offset(offset, stiffness, damping, force, DT);
+            prop_assert!(offset.abs() <= largest * (1.0 + 1e-12));
+        }
+    }
 }

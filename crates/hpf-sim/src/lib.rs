@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod certificate;
 pub mod cost;
 pub mod environment;
 mod metrics;
@@ -15,6 +16,7 @@ mod simulation;
 pub mod task;
 mod trace;
 
+pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS};
 pub use metrics::Metric;
 pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
 pub use simulation::{Simulation, SimulationError};

@@ -1,6 +1,6 @@
 //! The policy file: a learned skill, complete in itself.
 
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase, Real};
 use serde::{Deserialize, Serialize};
 
 use crate::task::{self, MAX_AXES, MAX_BASIS, NamedScaling, Scaling, Task, Unit};
@@ -287,10 +287,7 @@ impl Policy {
                 }
             }
             for (name, mine, first) in [
-                ("movement", (&movement.centers, &movement.widths), {
-                    let first = &self.axes[0].movement;
-                    (&first.centers, &first.widths)
-                }),
+                ("movement", movement.lists(), self.axes[0].movement.lists()),
                 ("stiffness", axis.stiffness.lists(), self.axes[0].stiffness.lists()),
                 ("damping", axis.damping.lists(), self.axes[0].damping.lists()),
             ] {
@@ -324,17 +321,22 @@ impl Policy {
     /// # Errors
     /// [`ConfigError`] where the policy has another number of axes.
     pub fn to_hybrid<const D: usize>(&self) -> Result<HybridPrimitive<f64, Vec<f64>, D>, ConfigError> {
-        let gain = |gain: &GainPolicy| Gain::new(gain.min, gain.max, gain.weights.clone());
+        self.to_hybrid_of()
+    }
+
+    /// The skill that a control loop steps in the scalar `T`, with `D` axes.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where the policy has another number of axes, and where one of its numbers cannot be in `T`.
+    pub fn to_hybrid_of<T: Real, const D: usize>(&self) -> Result<HybridPrimitive<T, Vec<T>, D>, ConfigError> {
+        let list = |numbers: &[f64]| -> Vec<T> { numbers.iter().map(|&number| T::of(number)).collect() };
+        let gain = |gain: &GainPolicy| Gain::new(T::of(gain.min), T::of(gain.max), list(&gain.weights));
         let axes = self.axes.iter().map(|axis| {
             let movement = &axis.movement;
+            let [start, goal, alpha, scale] =
+                [axis.start, axis.goal, movement.alpha, movement.forcing_scale].map(T::of);
             Ok(AxisPrimitives {
-                movement: Movement::new(
-                    axis.start,
-                    axis.goal,
-                    movement.alpha,
-                    movement.forcing_scale,
-                    movement.weights.clone(),
-                )?,
+                movement: Movement::new(start, goal, alpha, scale, list(&movement.weights))?,
                 stiffness: gain(&axis.stiffness)?,
                 damping: gain(&axis.damping)?,
             })
@@ -342,7 +344,20 @@ impl Policy {
         let axes: Vec<_> = axes.collect::<Result<_, ConfigError>>()?;
         let found = axes.len();
         let axes = axes.try_into().map_err(|_| ConfigError::LengthMismatch { field: "axes", found, expected: D })?;
-        HybridPrimitive::new(self.phase()?, self.bases()?, axes)
+        let first = self.axes.first().ok_or(ConfigError::TooFew { field: "axes", count: 0, least: 1 })?;
+        let bases = [first.movement.lists(), first.stiffness.lists(), first.damping.lists()];
+        let [movement, stiffness, damping] = bases.map(|(centers, widths)| Basis::new(list(centers), list(widths)));
+        let phase = Phase::new(T::of(self.duration_s), T::of(self.phase.decay))?;
+        HybridPrimitive::new(phase, [movement?, stiffness?, damping?], axes)
+    }
+
+    /// The same policy with one of its axes alone.
+    ///
+    /// # Panics
+    /// If there is no such axis.
+    pub fn axis(&self, axis: usize) -> Self {
+        let Self { format, version, task, duration_s, phase, admittance, axes, provenance } = self.clone();
+        Self { format, version, task, duration_s, phase, admittance, axes: vec![axes[axis].clone()], provenance }
     }
 
     /// All weights, axis by axis: movement, stiffness, damping.
@@ -362,6 +377,12 @@ impl Policy {
             *slot = weight;
         }
         self
+    }
+}
+
+impl MovementPolicy {
+    fn lists(&self) -> (&Vec<f64>, &Vec<f64>) {
+        (&self.centers, &self.widths)
     }
 }
 

@@ -1,28 +1,28 @@
 //! `hpf check`: is this file right, and what does it come to?
 
-use hpf_sim::{Policy, Simulation};
-use serde_json::json;
+use std::path::Path;
+
+use hpf_sim::{Certificate, Conditions, Policy, Simulation};
+use serde_json::{Value, json};
 
 use crate::cli::{Check, Common};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_policy, read_task, say};
+use crate::files::{in_file, policy_path, read_policy, read_task, say};
 use crate::render;
+
+/// Control rate of a policy where neither `--rate` nor a task beside it says one [Hz].
+const RATE: f64 = 1000.0;
+/// Largest force of the environment where `--load` says none [N or N m]: the one of the paper's tasks.
+const LOAD: f64 = 10.0;
 
 /// Runs `hpf check`.
 pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     let path = &options.file;
-    if path.extension().is_some_and(|extension| extension == "json") {
-        if !options.set.is_empty() {
-            return Err(Failure::Input("--set changes tasks; a policy has nothing to set".into()));
-        }
-        let policy = read_policy(path)?;
-        if common.json {
-            let object = json!({ "format": "hpf-check", "version": 1, "kind": "policy", "valid": true });
-            say(&format!("{object:#}\n"))?;
-        } else {
-            say(&render::policy(&policy))?;
-        }
-        return Ok(Outcome::Done);
+    if path.is_dir() || path.extension().is_some_and(|extension| extension == "json") {
+        return check_policy(options, common);
+    }
+    if options.rate.is_some() || options.delay.is_some() || options.load.is_some() {
+        return Err(Failure::Input("--rate, --delay and --load are for policies; a task takes --set rate=HZ".into()));
     }
     let mut changes = options.set.clone();
     changes.extend(common.seed.map(|seed| format!("learning.seed={seed}")));
@@ -44,4 +44,54 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
         say(&render::task(&loaded.task, policy.weights().len(), cost))?;
     }
     Ok(Outcome::Done)
+}
+
+/// A policy file, or the policy of a run, with its certificates.
+fn check_policy(options: &Check, common: &Common) -> Result<Outcome, Failure> {
+    if !options.set.is_empty() {
+        return Err(Failure::Input("--set changes tasks; a policy has nothing to set".into()));
+    }
+    let path = policy_path(&options.file)?;
+    let policy = read_policy(&path)?;
+    let conditions = conditions(options, &path)?;
+    let certificates = policy.certify(&conditions).map_err(in_file(&path))?;
+    if common.json {
+        let object = json!({
+            "format": "hpf-check", "version": 1, "kind": "policy", "valid": true,
+            "certificates": certified(&policy, &conditions, &certificates),
+        });
+        say(&format!("{object:#}\n"))?;
+    } else {
+        let text = render::policy(&policy) + "\n" + &render::certificates(&policy, &conditions, &certificates);
+        say(&text)?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// What to certify for: as asked, else the rate of the task beside the policy, a force one sample late.
+fn conditions(options: &Check, policy: &Path) -> Result<Conditions, Failure> {
+    let task = policy.with_file_name("task.toml");
+    let rate = match options.rate {
+        Some(rate) => rate,
+        None if task.is_file() => read_task(&task, &[])?.task.rate,
+        None => RATE,
+    };
+    Ok(Conditions { rate, delay: options.delay.unwrap_or(rate.recip()), load: options.load.unwrap_or(LOAD) })
+}
+
+fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> Value {
+    let axes = policy.axes.iter().zip(certificates).map(|(axis, certificate)| {
+        json!({
+            "name": axis.name, "unit": axis.unit,
+            "passive": certificate.fails_at.is_none(), "not_passive_from_s": certificate.fails_at,
+            "largest_offset": certificate.largest_offset, "switched_energy_j": certificate.switched_energy,
+            "least_damping": certificate.least_damping, "contact_stiffness_limit": certificate.contact_stiffness,
+            "peak_velocity": certificate.peak_velocity, "peak_acceleration": certificate.peak_acceleration,
+        })
+    });
+    let axes: Vec<Value> = axes.collect();
+    json!({
+        "rate_hz": conditions.rate, "delay_s": conditions.delay, "load": conditions.load,
+        "horizon_s": 2.0 * policy.duration_s, "axes": axes,
+    })
 }

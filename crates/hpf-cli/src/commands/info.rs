@@ -24,7 +24,7 @@ pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
         say(&if common.json { format!("{:#}\n", contents.to_json()) } else { contents.to_string() })?;
         return Ok(Outcome::Done);
     }
-    super::check::check(&Check { file: path.clone(), set: Vec::new() }, common)
+    super::check::check(&Check { file: path.clone(), set: Vec::new(), rate: None, delay: None, load: None }, common)
 }
 
 fn summary(file: &Path, common: &Common) -> Result<Outcome, Failure> {

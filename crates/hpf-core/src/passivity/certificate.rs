@@ -1,5 +1,9 @@
 //! Certificates: what a schedule of gains can do at worst, before it runs.
 
+use core::f64::consts::FRAC_PI_4;
+
+use crate::admittance::step_offset;
+
 /// The first time [s] at which the law `d e' + k e = f` is not passive from rest, if there is one. `gains` are stiffness
 /// [N/m] and damping [N s/m] of steps of `dt` [s], each held over its step.
 ///
@@ -74,4 +78,40 @@ pub fn switched_energy(stiffness: impl IntoIterator<Item = f64>, offset: f64) ->
         last = next;
     }
     0.5 * risen * offset * offset
+}
+
+/// The largest offset [m] that any force of at most `force` [N] can bring about from rest, with gains as in
+/// [`first_order_fails_at`].
+///
+/// The law is linear in e, and an earlier push only ever adds: the worst force is `force` all along. Not above
+/// `force` over the least stiffness.
+///
+/// ```
+/// use hpf_core::passivity::largest_offset;
+/// let offset = largest_offset([(100.0, 10.0); 1000], 20.0, 0.01); // 100 time constants
+/// assert!((offset - 0.2).abs() < 1e-12); // f/k
+/// ```
+pub fn largest_offset(gains: impl IntoIterator<Item = (f64, f64)>, force: f64, dt: f64) -> f64 {
+    let offsets = gains.into_iter().scan(0.0, |offset, (stiffness, damping)| {
+        *offset = step_offset(*offset, stiffness, damping, force, dt);
+        Some(*offset)
+    });
+    offsets.fold(0.0, f64::max)
+}
+
+/// The stiffness [N/m] of a contact from which on the loop through its measured force may be unstable: the tool of the
+/// law `d e' + k e = f`, with `damping` d [N s/m] or more, held over steps of `dt` [s], the force `delay` [s] old.
+///
+/// `K_e < (2 d/h) sin(pi h/(4 (delay + h/2)))`: exact for whole steps of delay and k = 0, where `e+ = e - (K_e h/d) e_{-n}`
+/// first has a root on the unit circle; cautious for k > 0 and between steps. For delays of many steps it is
+/// `(pi/2) d/(delay + h/2)`, the limit of the continuous law; at one step that is 5 % too much, without delay 57 %.
+/// Robot dynamics, filters and lags of actuators add to the delay.
+///
+/// ```
+/// use hpf_core::passivity::contact_stiffness_limit;
+/// let limit = contact_stiffness_limit(50.0, 0.001, 0.001);
+/// assert!((limit - 50_000.0).abs() < 1e-6); // one step late: d/h
+/// ```
+pub fn contact_stiffness_limit(damping: f64, delay: f64, dt: f64) -> f64 {
+    2.0 * damping / dt * libm::sin(FRAC_PI_4 * dt / (delay + 0.5 * dt))
 }

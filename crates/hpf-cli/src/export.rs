@@ -1,0 +1,182 @@
+//! A policy in the forms that firmware takes: each is a function of the policy and of the scalar.
+
+mod binary;
+mod c;
+mod rust;
+
+use clap::ValueEnum;
+use hpf_core::packed::Scalar;
+use hpf_core::{ConfigError, Real};
+use hpf_sim::task::Unit;
+use hpf_sim::{AxisPolicy, Policy};
+
+/// The forms of an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A Rust module for no_std firmware: constant arrays, and a function that builds the skill
+    Rust,
+    /// A C header: the same numbers as constant arrays
+    C,
+    /// A few bytes with a checksum, read by hpf_core::packed
+    #[value(alias = "postcard")]
+    Binary,
+}
+
+impl Format {
+    /// The name of the form.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rust => "rust",
+            Self::C => "c",
+            Self::Binary => "binary",
+        }
+    }
+
+    /// What the name of its file ends in.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Rust => "rs",
+            Self::C => "h",
+            Self::Binary => "bin",
+        }
+    }
+}
+
+/// The scalars of an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Precision {
+    /// Single precision, for a microcontroller
+    F32,
+    /// Double precision, the policy's own numbers
+    F64,
+}
+
+impl Precision {
+    /// The name of the scalar in Rust.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+
+    fn scalar(self) -> Scalar {
+        match self {
+            Self::F32 => Scalar::Single,
+            Self::F64 => Scalar::Double,
+        }
+    }
+
+    /// The shortest digits that read back to the same number of this scalar.
+    fn digits(self, number: f64) -> String {
+        match self {
+            Self::F32 => format!("{:?}", number as f32),
+            Self::F64 => format!("{number:?}"),
+        }
+    }
+}
+
+/// The policy in the form and scalar asked for.
+///
+/// # Errors
+/// [`ConfigError`] where the policy makes no skill in this scalar: centers that become one, numbers beyond its range.
+pub fn export(policy: &Policy, format: Format, precision: Precision) -> Result<Vec<u8>, ConfigError> {
+    match precision {
+        Precision::F32 => check::<f32>(policy)?,
+        Precision::F64 => check::<f64>(policy)?,
+    }
+    Ok(match format {
+        Format::Rust => rust::module(policy, precision).into_bytes(),
+        Format::C => c::header(policy, precision).into_bytes(),
+        Format::Binary => binary::bytes(policy, precision),
+    })
+}
+
+fn check<T: Real>(policy: &Policy) -> Result<(), ConfigError> {
+    (0..policy.axes.len()).try_for_each(|axis| policy.axis(axis).to_hybrid_of::<T, 1>().map(drop))
+}
+
+/// Functions in the bases of movement, stiffness and damping.
+fn functions(policy: &Policy) -> [usize; 3] {
+    let first = &policy.axes[0];
+    [first.movement.centers.len(), first.stiffness.centers.len(), first.damping.centers.len()]
+}
+
+/// Name, centers and widths of each basis.
+fn bases(policy: &Policy) -> [(&'static str, &[f64], &[f64]); 3] {
+    let first = &policy.axes[0];
+    [
+        ("movement", &first.movement.centers, &first.movement.widths),
+        ("stiffness", &first.stiffness.centers, &first.stiffness.widths),
+        ("damping", &first.damping.centers, &first.damping.widths),
+    ]
+}
+
+/// One number per axis: its name, what it is with its unit, and where it stands.
+type PerAxis = (&'static str, &'static str, fn(&AxisPolicy) -> f64);
+
+const PER_AXIS: [PerAxis; 8] = [
+    ("start", "Where the movement starts [m or rad]", |axis| axis.start),
+    ("goal", "Where it ends [m or rad]", |axis| axis.goal),
+    ("alpha", "Spring factor alpha of the movement; beta = alpha/4", |axis| axis.movement.alpha),
+    ("forcing_scale", "Scale A of the forcing term [m or rad]", |axis| axis.movement.forcing_scale),
+    ("stiffness_min", "Least stiffness [N/m or N m/rad]", |axis| axis.stiffness.min),
+    ("stiffness_max", "Largest stiffness [N/m or N m/rad]", |axis| axis.stiffness.max),
+    ("damping_min", "Least damping [N s/m or N m s/rad]", |axis| axis.damping.min),
+    ("damping_max", "Largest damping [N s/m or N m s/rad]", |axis| axis.damping.max),
+];
+
+/// One list of weights per axis: the primitive's name, its unit, and where the list stands.
+type WeightsPerAxis = (&'static str, &'static str, fn(&AxisPolicy) -> &[f64]);
+
+const WEIGHTS: [WeightsPerAxis; 3] = [
+    ("movement", "1", |axis| &axis.movement.weights),
+    ("stiffness", "N/m or N m/rad", |axis| &axis.stiffness.weights),
+    ("damping", "N s/m or N m s/rad", |axis| &axis.damping.weights),
+];
+
+/// What a text export says at its top, each line without its comment sign.
+fn preamble(policy: &Policy, sha256: &str) -> Vec<String> {
+    let from = &policy.provenance;
+    let mut lines = vec![
+        format!(
+            "Skill `{}`, made by `hpf export` {}: not edited by hand.",
+            printable(&policy.task),
+            env!("CARGO_PKG_VERSION")
+        ),
+        String::new(),
+    ];
+    lines.extend(policy.axes.iter().enumerate().map(|(i, axis)| {
+        let unit = if axis.unit == Unit::M { "m, N, N/m, N s/m" } else { "rad, N m, N m/rad, N m s/rad" };
+        format!("Axis {i}: `{}`, in {unit}.", printable(&axis.name))
+    }));
+    lines.extend([
+        "Basis functions psi_i(s) = exp(-h_i (s - c_i)^2) of the phase s = exp(-decay t/duration), centers c_i, widths h_i.".into(),
+        format!("Policy: SHA-256 {sha256}."),
+        format!("Learned: hpf {}, seed {}, {} updates, cost {:?}.", printable(&from.hpf), from.seed, from.updates, from.cost),
+    ]);
+    lines
+}
+
+/// A text that ends neither a line nor a comment.
+fn printable(text: &str) -> String {
+    text.escape_default().to_string().replace("*/", "* /").replace("/*", "/ *").replace('`', "'")
+}
+
+/// A list of numbers over as many lines as it takes, each indented by `indent`.
+fn lines(numbers: impl Iterator<Item = String>, indent: usize) -> String {
+    let mut text = String::new();
+    let mut width = usize::MAX;
+    for number in numbers {
+        if width.saturating_add(number.len() + 2) > 110 {
+            text += &format!("\n{:indent$}", "");
+            width = indent;
+        } else {
+            text.push(' ');
+        }
+        width += number.len() + 2;
+        text += &number;
+        text.push(',');
+    }
+    text
+}

@@ -1,0 +1,83 @@
+//! A C header (C99 and C++): constant arrays, no code.
+
+use core::fmt::Write as _;
+
+use hpf_sim::Policy;
+
+use super::{PER_AXIS, Precision, WEIGHTS, bases, functions, lines, preamble};
+use crate::files::sha256;
+
+/// The header's text.
+pub fn header(policy: &Policy, precision: Precision) -> String {
+    let prefix = format!("hpf_{}", identifier(&policy.task));
+    let upper = prefix.to_uppercase();
+    let (kind, suffix) = match precision {
+        Precision::F32 => ("float", "f"),
+        Precision::F64 => ("double", ""),
+    };
+    let digits = |number: &f64| precision.digits(*number) + suffix;
+    let axes = policy.axes.len();
+
+    let mut text = String::from("/*\n");
+    for line in preamble(policy, &sha256(&policy.to_json())) {
+        text += format!(" * {line}").trim_end();
+        text.push('\n');
+    }
+    let _ = writeln!(text, " */\n#ifndef {upper}_H\n#define {upper}_H\n");
+    let _ = writeln!(text, "/* Number of axes. */\n#define {upper}_AXES {axes}");
+    for ((name, ..), count) in bases(policy).into_iter().zip(functions(policy)) {
+        let _ = writeln!(
+            text,
+            "/* Functions in the basis of {name}. */\n#define {upper}_{}_BASIS {count}",
+            name.to_uppercase()
+        );
+    }
+    let names: Vec<_> = policy.axes.iter().map(|axis| literal(&axis.name)).collect();
+    let _ = writeln!(text, "\n/* Names of the axes. */");
+    let _ = writeln!(
+        text,
+        "static const char *const {prefix}_names[{upper}_AXES] = {{{}\n}};",
+        lines(names.into_iter(), 4)
+    );
+    let _ = writeln!(text, "\n/* Duration of the movement [s]. */");
+    let _ = writeln!(text, "static const {kind} {prefix}_duration = {};", digits(&policy.duration_s));
+    let _ = writeln!(text, "/* Decay alpha_s of the phase over the duration. */");
+    let _ = writeln!(text, "static const {kind} {prefix}_decay = {};", digits(&policy.phase.decay));
+    for (name, what, of) in PER_AXIS {
+        let values = lines(policy.axes.iter().map(|axis| digits(&of(axis))), 4);
+        let _ = writeln!(text, "\n/* {what}, by axis. */");
+        let _ = writeln!(text, "static const {kind} {prefix}_{name}[{upper}_AXES] = {{{values}\n}};");
+    }
+    for (name, centers, widths) in bases(policy) {
+        let count = format!("{upper}_{}_BASIS", name.to_uppercase());
+        let list = |numbers: &[f64]| lines(numbers.iter().map(digits), 4);
+        let _ = writeln!(text, "\n/* Centers of the basis of {name}, oldest phase first. */");
+        let _ = writeln!(text, "static const {kind} {prefix}_{name}_centers[{count}] = {{{}\n}};", list(centers));
+        let _ = writeln!(text, "/* Widths of the basis of {name}. */");
+        let _ = writeln!(text, "static const {kind} {prefix}_{name}_widths[{count}] = {{{}\n}};", list(widths));
+    }
+    for (name, unit, of) in WEIGHTS {
+        let _ = writeln!(text, "\n/* Weights of {name} [{unit}], by axis. */");
+        let shape = format!("[{upper}_AXES][{upper}_{}_BASIS]", name.to_uppercase());
+        let _ = writeln!(text, "static const {kind} {prefix}_{name}_weights{shape} = {{");
+        for axis in &policy.axes {
+            let _ = writeln!(text, "    {{{}\n    }},", lines(of(axis).iter().map(digits), 8));
+        }
+        text += "};\n";
+    }
+    text + "\n#endif\n"
+}
+
+/// A name as part of an identifier of C.
+fn identifier(name: &str) -> String {
+    name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { '_' }).collect()
+}
+
+/// A text as a string of C: what is not plain ASCII goes byte by byte, a question mark too (trigraphs).
+fn literal(text: &str) -> String {
+    let byte = |byte: u8| match byte {
+        b' ' | b'!' | b'#'..=b'>' | b'@'..=b'[' | b']'..=b'~' => char::from(byte).to_string(),
+        other => format!("\\{other:03o}"),
+    };
+    format!("\"{}\"", text.bytes().map(byte).collect::<String>())
+}

@@ -1,0 +1,85 @@
+//! A Rust module that needs nothing but `hpf-core`.
+
+use core::fmt::Write as _;
+
+use hpf_sim::Policy;
+
+use super::{PER_AXIS, Precision, WEIGHTS, bases, functions, lines, preamble};
+use crate::files::sha256;
+
+const HEAD: &str = "
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+";
+
+const BUILD: &str = "
+/// The skill; its lists stay where they lie.
+pub type Skill = HybridPrimitive<Scalar, &'static [Scalar], AXES>;
+
+/// Builds the skill. The numbers were accepted when they were exported, and are again.
+///
+/// # Errors
+/// `ConfigError` if somebody has changed them since.
+pub fn skill() -> Result<Skill, ConfigError> {
+    let bases = [
+        Basis::new(&MOVEMENT_CENTERS[..], &MOVEMENT_WIDTHS[..])?,
+        Basis::new(&STIFFNESS_CENTERS[..], &STIFFNESS_WIDTHS[..])?,
+        Basis::new(&DAMPING_CENTERS[..], &DAMPING_WIDTHS[..])?,
+    ];
+    HybridPrimitive::new(Phase::new(DURATION, DECAY)?, bases, AXES_HERE)
+}
+
+fn axis(i: usize) -> Result<AxisPrimitives<Scalar, &'static [Scalar]>, ConfigError> {
+    Ok(AxisPrimitives {
+        movement: Movement::new(START[i], GOAL[i], ALPHA[i], FORCING_SCALE[i], &MOVEMENT_WEIGHTS[i][..])?,
+        stiffness: Gain::new(STIFFNESS_MIN[i], STIFFNESS_MAX[i], &STIFFNESS_WEIGHTS[i][..])?,
+        damping: Gain::new(DAMPING_MIN[i], DAMPING_MAX[i], &DAMPING_WEIGHTS[i][..])?,
+    })
+}
+";
+
+/// The module's text.
+pub fn module(policy: &Policy, precision: Precision) -> String {
+    let mut text = String::new();
+    for line in preamble(policy, &sha256(&policy.to_json())) {
+        text += format!("//! {line}").trim_end();
+        text.push('\n');
+    }
+    text += HEAD;
+    let axes = policy.axes.len();
+    let digits = |number: &f64| precision.digits(*number);
+    let list = |numbers: &[f64]| lines(numbers.iter().map(digits), 4);
+    let _ = writeln!(text, "\n/// The scalar of the skill.\npub type Scalar = {};", precision.name());
+    let _ = writeln!(text, "/// Number of axes.\npub const AXES: usize = {axes};");
+    let _ = writeln!(
+        text,
+        "/// Duration of the movement [s].\npub const DURATION: Scalar = {};",
+        digits(&policy.duration_s)
+    );
+    let _ = writeln!(
+        text,
+        "/// Decay alpha_s of the phase over the duration.\npub const DECAY: Scalar = {};",
+        digits(&policy.phase.decay)
+    );
+    for (name, what, of) in PER_AXIS {
+        let values: Vec<f64> = policy.axes.iter().map(of).collect();
+        let _ = writeln!(text, "\n/// {}, by axis.", what);
+        let _ = writeln!(text, "pub static {}: [Scalar; AXES] = [{}\n];", name.to_uppercase(), list(&values));
+    }
+    for (name, centers, widths) in bases(policy) {
+        let (upper, count) = (name.to_uppercase(), centers.len());
+        let _ = writeln!(text, "\n/// Centers of the basis of {name}, oldest phase first.");
+        let _ = writeln!(text, "pub static {upper}_CENTERS: [Scalar; {count}] = [{}\n];", list(centers));
+        let _ = writeln!(text, "\n/// Widths of the basis of {name}.");
+        let _ = writeln!(text, "pub static {upper}_WIDTHS: [Scalar; {count}] = [{}\n];", list(widths));
+    }
+    for ((name, unit, of), count) in WEIGHTS.into_iter().zip(functions(policy)) {
+        let _ = writeln!(text, "\n/// Weights of {name} [{unit}], by axis.");
+        let _ = writeln!(text, "pub static {}_WEIGHTS: [[Scalar; {count}]; AXES] = [", name.to_uppercase());
+        for axis in &policy.axes {
+            let _ = writeln!(text, "    [{}\n    ],", lines(of(axis).iter().map(digits), 8));
+        }
+        text += "];\n";
+    }
+    let calls: Vec<_> = (0..axes).map(|i| format!("axis({i})?")).collect();
+    text + &BUILD.replace("AXES_HERE", &format!("[{}]", calls.join(", ")))
+}

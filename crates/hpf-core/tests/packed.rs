@@ -1,0 +1,166 @@
+//! Packed skills: what goes in comes out, and nothing damaged does.
+
+use hpf_core::packed::{Head, Packed, PackedError, Scalar, crc32};
+use hpf_core::{ConfigError, HybridPrimitive};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// Functions in the bases of movement, stiffness and damping.
+const FUNCTIONS: [u16; 3] = [4, 3, 2];
+
+/// A head and its numbers: two axes, each list another.
+fn example(scalar: Scalar) -> (Head, Vec<f64>) {
+    let head = Head { scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10 };
+    let mut numbers = vec![1.7, 4.605];
+    for count in FUNCTIONS.map(f64::from) {
+        numbers.extend((0..count as usize).map(|i| 1.0 - i as f64 / count));
+        numbers.extend((0..count as usize).map(|i| 3.1 + i as f64));
+    }
+    for axis in [1.0, -0.7] {
+        numbers.extend([0.1 * axis, axis, 25.0, 0.9]);
+        numbers.extend([30.3, -11.7, 8.1, 40.0]);
+        numbers.extend([30.0, 400.0, 100.0 + axis, 200.0, 399.9]);
+        numbers.extend([10.0, 100.0, 20.0 + axis, 55.5]);
+    }
+    (head, numbers)
+}
+
+fn packed(scalar: Scalar) -> Vec<u8> {
+    let (head, numbers) = example(scalar);
+    let mut bytes = vec![0; head.length()];
+    head.pack(numbers, &mut bytes).unwrap();
+    bytes
+}
+
+/// The same bytes with a checksum that fits.
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let body = bytes.len() - 4;
+    let sum = crc32(&bytes[..body]).to_le_bytes();
+    bytes[body..].copy_from_slice(&sum);
+    bytes
+}
+
+/// Reads bytes in every way there is; must not panic.
+fn read(bytes: &[u8]) -> Result<(), PackedError> {
+    let packed = Packed::parse(bytes)?;
+    assert_eq!(packed.values::<f64>().count(), packed.head().numbers());
+    let _ = packed.skill::<f32, 3, 1>();
+    let _ = packed.skill::<f64, 2, 2>();
+    let mut storage = vec![0.0; packed.head().storage()];
+    let _ = packed.skill_in::<f32, 1>(&mut [0.0; 7]);
+    match packed.head().axes {
+        1 => packed.skill_in::<f64, 1>(&mut storage).map(drop),
+        2 => packed.skill_in::<f64, 2>(&mut storage).map(drop),
+        _ => Ok(()),
+    }
+}
+
+#[test]
+fn numbers_come_back_to_the_bit() {
+    let (_, numbers) = example(Scalar::Double);
+    let bytes = packed(Scalar::Double);
+    let double = Packed::parse(&bytes).unwrap();
+    assert_eq!(double.values::<f64>().collect::<Vec<_>>(), numbers);
+    assert_eq!((double.head().rotary, double.head().functions), (0b10, FUNCTIONS));
+    let bytes = packed(Scalar::Single);
+    let single: Vec<f32> = Packed::parse(&bytes).unwrap().values().collect();
+    assert_eq!(single, numbers.iter().map(|&number| number as f32).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_skill_has_each_list_in_its_place() {
+    let bytes = packed(Scalar::Double);
+    let mut storage = [0.0; 36];
+    let skill: HybridPrimitive<f64, &[f64], 2> = Packed::parse(&bytes).unwrap().skill_in(&mut storage).unwrap();
+    assert_eq!((skill.phase().duration(), skill.phase().decay()), (1.7, 4.605));
+    let [_, axis] = skill.axes();
+    let movement = &axis.movement;
+    assert_eq!((movement.start(), movement.goal(), movement.alpha()), (0.1 * -0.7, -0.7, 25.0));
+    assert_eq!((movement.forcing_scale(), movement.weights()), (0.9, &[30.3, -11.7, 8.1, 40.0][..]));
+    assert_eq!((axis.stiffness.min(), axis.stiffness.max()), (30.0, 400.0));
+    assert_eq!(axis.stiffness.weights(), [100.0 - 0.7, 200.0, 399.9]);
+    assert_eq!((axis.damping.min(), axis.damping.max()), (10.0, 100.0));
+    assert_eq!(axis.damping.weights(), [20.0 - 0.7, 55.5]);
+}
+
+#[test]
+fn what_does_not_fit_is_said() {
+    let bytes = packed(Scalar::Double);
+    let packed = Packed::parse(&bytes).unwrap();
+    assert_eq!(packed.skill_in::<f64, 3>(&mut [0.0; 99]), Err(PackedError::Axes { found: 2, expected: 3 }));
+    assert_eq!(packed.skill_in::<f64, 2>(&mut [0.0; 35]), Err(PackedError::Storage { found: 35, needed: 36 }));
+    assert_eq!(packed.skill::<f64, 4, 2>(), Err(PackedError::Functions { found: 3, expected: 4 }));
+    let (head, mut numbers) = example(Scalar::Single);
+    let mut out = vec![0; head.length()];
+    let expected = head.numbers();
+    assert_eq!(head.pack(numbers[1..].iter().copied(), &mut out), Err(PackedError::Numbers { expected }));
+    let more = numbers.iter().copied().chain([0.0]);
+    assert_eq!(head.pack(more, &mut out), Err(PackedError::Numbers { expected }));
+    assert!(matches!(head.pack(numbers.clone(), &mut out[1..]), Err(PackedError::Length { .. })));
+    numbers[3] = 1e300; // no number of single precision
+    assert!(matches!(head.pack(numbers, &mut out), Err(PackedError::Config(ConfigError::NotFinite { .. }))));
+}
+
+#[test]
+fn a_number_that_cannot_be_is_refused_though_its_checksum_fits() {
+    for (place, wrong) in [(0, -1.0), (2, 0.0), (28, 0.0), (30, 1e9), (30, f64::NAN), (47, 1e9)] {
+        let mut bytes = packed(Scalar::Double);
+        bytes[16 + 8 * place..][..8].copy_from_slice(&wrong.to_le_bytes());
+        let refused = read(&sealed(bytes));
+        assert!(matches!(refused, Err(PackedError::Config(_))), "{place}: {refused:?}");
+    }
+}
+
+#[test]
+fn every_damaged_byte_is_refused() {
+    for scalar in [Scalar::Single, Scalar::Double] {
+        let whole = packed(scalar);
+        Packed::parse(&whole).unwrap();
+        for place in 0..whole.len() {
+            for damage in 1..=255 {
+                let mut bytes = whole.clone();
+                bytes[place] ^= damage;
+                assert!(Packed::parse(&bytes).is_err(), "byte {place} xor {damage}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_cut_and_every_added_byte_is_refused() {
+    for scalar in [Scalar::Single, Scalar::Double] {
+        let whole = packed(scalar);
+        for length in 0..whole.len() {
+            assert!(Packed::parse(&whole[..length]).is_err(), "cut to {length}");
+            assert!(Packed::parse(&sealed([&whole[..length], &[0; 4]].concat())).is_err() || length + 4 == whole.len());
+        }
+        for more in 0..=255 {
+            assert!(Packed::parse(&[&whole[..], &[more]].concat()).is_err());
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bytes_do_not_panic(bytes in vec(any::<u8>(), 0..600)) {
+        prop_assert!(read(&bytes).is_err());
+    }
+
+    #[test]
+    fn arbitrary_numbers_under_a_checksum_that_fits_do_not_panic(
+        wide in any::<bool>(),
+        axes in 1_u8..4,
+        functions in [0_u16..5, 0..5, 0..5],
+        noise in vec(any::<f64>(), 1..40),
+    ) {
+        let scalar = if wide { Scalar::Double } else { Scalar::Single };
+        let head = Head { scalar, axes, functions, rotary: 0 };
+        let mut bytes = vec![0; head.length()];
+        head.pack(vec![0.5; head.numbers()], &mut bytes).unwrap();
+        let last = bytes.len() - 4;
+        for (slot, byte) in bytes[16..last].iter_mut().zip(noise.iter().flat_map(|x| x.to_le_bytes()).cycle()) {
+            *slot = byte;
+        }
+        let _ = read(&sealed(bytes));
+    }
+}

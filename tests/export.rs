@@ -1,0 +1,268 @@
+//! `hpf export`: what firmware gets is what was learned.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use hpf_core::packed::Packed;
+use hpf_core::{HybridPrimitive, Real};
+use hpf_sim::{Policy, Task};
+
+use crate::support::{expect, folder, hpf, read, root, task};
+
+/// A policy of two axes whose weights have no short decimal form, each primitive with a basis of its own, and names that
+/// no language takes as they are.
+fn policy() -> Policy {
+    let task = Task::parse(&read(task("via_point.toml"))).unwrap();
+    let mut policy = Policy::initial(&task).unwrap();
+    policy.task = "7 \"odd\" */ // `names`\n\\ é??/".into();
+    policy.axes[1].name = "\"θ\" */ \\\n??/1".into();
+    policy.axes[1].unit = hpf_sim::task::Unit::Rad;
+    for (a, axis) in policy.axes.iter_mut().enumerate() {
+        let wave = |i: usize, speed: f64| (speed * i as f64 + a as f64).sin();
+        axis.movement.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 60.0 * wave(i, 1.1));
+        axis.movement.weights[3] = -0.0;
+        axis.movement.weights[4] = 1.25e-17;
+        axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 200.0 + 150.0 * wave(i, 0.7));
+        axis.damping.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 50.0 + 35.0 * wave(i, 0.9));
+        for list in [&mut axis.damping.centers, &mut axis.damping.widths, &mut axis.damping.weights] {
+            list.truncate(7);
+        }
+        axis.stiffness.centers.truncate(12);
+        axis.stiffness.widths.truncate(12);
+        axis.stiffness.weights.truncate(12);
+    }
+    policy
+}
+
+/// Writes a policy as policy.json.
+fn write(folder: &Path, policy: &Policy) {
+    fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
+}
+
+/// Every number of a policy, in the order of the C header and of the packed skill: bases, then axis by axis.
+fn numbers(policy: &Policy) -> Vec<f64> {
+    let first = &policy.axes[0];
+    let bases = [
+        (&first.movement.centers, &first.movement.widths),
+        (&first.stiffness.centers, &first.stiffness.widths),
+        (&first.damping.centers, &first.damping.widths),
+    ];
+    let mut numbers = vec![policy.duration_s, policy.phase.decay];
+    bases.iter().for_each(|(centers, widths)| numbers.extend(centers.iter().chain(*widths)));
+    for axis in &policy.axes {
+        numbers.extend([axis.start, axis.goal, axis.movement.alpha, axis.movement.forcing_scale]);
+        numbers.extend(&axis.movement.weights);
+        for gain in [&axis.stiffness, &axis.damping] {
+            numbers.extend([gain.min, gain.max]);
+            numbers.extend(&gain.weights);
+        }
+    }
+    numbers
+}
+
+/// The commands of 600 steps under a force, as bits of doubles.
+fn motion<T: Real, S: AsRef<[T]>>(skill: &HybridPrimitive<T, S, 2>) -> Vec<u64> {
+    let mut state = skill.initial_state();
+    let steps = (0..600).flat_map(|step| {
+        let force = [T::of(f64::from(step % 7) - 3.0), T::of(1.5)];
+        skill.step(&mut state, force, T::ONE, T::of(0.01))
+    });
+    let numbers = steps.flat_map(|axis| [axis.position, axis.velocity, axis.stiffness, axis.damping]);
+    numbers.map(|number| number.to_f64().to_bits()).collect()
+}
+
+/// A program around an exported module that prints what `motion` gives.
+const MAIN: &str = r#"
+fn main() {
+    let skill = exported::policy::skill().unwrap();
+    let mut state = skill.initial_state();
+    for step in 0..600 {
+        let force = [(f64::from(step % 7) - 3.0) as exported::policy::Scalar, 1.5];
+        for axis in skill.step(&mut state, force, 1.0, 0.01) {
+            for number in [axis.position, axis.velocity, axis.stiffness, axis.damping] {
+                #[allow(clippy::unnecessary_cast)]
+                let number = number as f64;
+                println!("{}", number.to_bits());
+            }
+        }
+    }
+}
+"#;
+
+/// Builds the exported module in a no_std crate of its own, and runs it.
+fn run_rust(folder: &Path) -> Vec<u64> {
+    let core = root().join("crates/hpf-core").canonicalize().unwrap();
+    let manifest = format!(
+        "[package]\nname = \"exported\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\nhpf-core = {{ path = {:?} }}\n",
+        core.display().to_string()
+    );
+    fs::create_dir(folder.join("src")).unwrap();
+    fs::write(folder.join("Cargo.toml"), manifest).unwrap();
+    // The versions that the workspace is built with are there without a network.
+    fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock")).unwrap();
+    let lib = "#![no_std]\n#![forbid(unsafe_code)]\n#![deny(warnings, missing_docs)]\n//! Exported.\npub mod policy;\n";
+    fs::write(folder.join("src/lib.rs"), lib).unwrap();
+    fs::write(folder.join("src/main.rs"), MAIN).unwrap();
+    fs::rename(folder.join("policy.rs"), folder.join("src/policy.rs")).unwrap();
+    let output = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()))
+        .current_dir(folder)
+        .env("CARGO_TARGET_DIR", folder.join("target"))
+        .args(["run", "--quiet", "--offline"])
+        .output()
+        .expect("cargo starts");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{error}\n{}", read(folder.join("src/policy.rs")));
+    String::from_utf8(output.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect()
+}
+
+#[test]
+fn the_rust_module_builds_without_std_and_steps_to_the_same_bits() {
+    let policy = policy();
+    for scalar in ["f64", "f32"] {
+        let folder = folder();
+        write(folder.path(), &policy);
+        let (stdout, _) = expect(0, folder.path(), &["export", "policy.json", "--format", "rust", "--scalar", scalar]);
+        assert!(stdout.starts_with("policy.rs: rust, "), "{stdout}");
+        let expected = match scalar {
+            "f32" => motion(&policy.to_hybrid_of::<f32, 2>().unwrap()),
+            _ => motion(&policy.to_hybrid::<2>().unwrap()),
+        };
+        assert_eq!(run_rust(folder.path()), expected, "{scalar}");
+    }
+}
+
+/// A program that prints every number of the header, in the order of [`numbers`].
+fn printer(prefix: &str, digits: &str) -> String {
+    let upper = prefix.to_uppercase();
+    let list = |name: &str, count: &str| {
+        format!("for (int i = 0; i < {upper}_{count}_BASIS; i++) show({prefix}_{name}[i]);\n")
+    };
+    let bases: String = ["movement", "stiffness", "damping"]
+        .iter()
+        .flat_map(|name| ["centers", "widths"].map(|what| list(&format!("{name}_{what}"), &name.to_uppercase())))
+        .collect();
+    let one = |name: &str| format!("show({prefix}_{name}[a]);\n");
+    let mut axis: String = ["start", "goal", "alpha", "forcing_scale"].map(one).concat();
+    for name in ["movement", "stiffness", "damping"] {
+        if name != "movement" {
+            axis += &(one(&format!("{name}_min")) + &one(&format!("{name}_max")));
+        }
+        axis += &list(&format!("{name}_weights[a]"), &name.to_uppercase());
+    }
+    format!(
+        "#include <stdio.h>\n#include \"policy.h\"\n#include \"policy.h\"\n\
+         static void show(double x) {{ printf(\"{digits}\\n\", x); }}\n\
+         int main(void) {{ show({prefix}_duration); show({prefix}_decay);\n{bases}\
+         for (int a = 0; a < {upper}_AXES; a++) {{\n{axis}}}\n\
+         for (int a = 0; a < {upper}_AXES; a++) printf(\"%s\\n--\\n\", {prefix}_names[a]);\nreturn 0; }}\n"
+    )
+}
+
+#[test]
+fn the_c_header_compiles_without_warnings_and_has_the_same_numbers() {
+    let policy = policy();
+    for (scalar, digits) in [("f64", "%.17g"), ("f32", "%.9g")] {
+        let folder = folder();
+        write(folder.path(), &policy);
+        expect(0, folder.path(), &["export", "policy.json", "--format", "c", "--scalar", scalar]);
+        let header = read(folder.path().join("policy.h"));
+        let guard = header.split("#ifndef ").nth(1).and_then(|rest| rest.split("_H\n").next()).unwrap();
+        assert!(guard.starts_with("HPF_7__ODD_") && guard.bytes().all(|b| b == b'_' || b.is_ascii_alphanumeric()));
+        fs::write(folder.path().join("main.c"), printer(&guard.to_lowercase(), digits)).unwrap();
+        let built = Command::new("cc")
+            .current_dir(folder.path())
+            .args(["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror"])
+            .args(["main.c", "-o", "main"])
+            .output()
+            .expect("cc starts");
+        assert!(built.status.success(), "{}\n{header}", String::from_utf8_lossy(&built.stderr));
+        let printed = Command::new(folder.path().join("main")).output().unwrap();
+        let printed = String::from_utf8(printed.stdout).unwrap();
+        let expected = numbers(&policy);
+        let (found, names) = printed.split_at(printed.match_indices('\n').nth(expected.len() - 1).unwrap().0 + 1);
+        let found = found.lines().map(|line| line.parse::<f64>().unwrap());
+        for (found, expected) in found.zip(&expected) {
+            match scalar {
+                "f32" => assert_eq!((found as f32).to_bits(), (*expected as f32).to_bits()),
+                _ => assert_eq!(found.to_bits(), expected.to_bits()),
+            }
+        }
+        assert_eq!(names, format!("{}\n--\n{}\n--\n", policy.axes[0].name, policy.axes[1].name));
+    }
+}
+
+#[test]
+fn the_packed_skill_steps_to_the_same_bits_and_is_refused_when_damaged() {
+    let (folder, policy) = (folder(), policy());
+    write(folder.path(), &policy);
+    expect(0, folder.path(), &["export", "policy.json", "--format", "binary"]);
+    let bytes = fs::read(folder.path().join("policy.bin")).unwrap();
+    let packed = Packed::parse(&bytes).unwrap();
+    assert_eq!(packed.values::<f64>().collect::<Vec<_>>(), numbers(&policy));
+    assert_eq!((packed.head().functions, packed.head().rotary), ([20, 12, 7], 0b10));
+    let mut storage = vec![0.0; packed.head().storage()];
+    let expected = motion(&policy.to_hybrid::<2>().unwrap());
+    assert_eq!(motion(&packed.skill_in::<f64, 2>(&mut storage).unwrap()), expected);
+    for place in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x10;
+        assert!(Packed::parse(&damaged).is_err() && Packed::parse(&bytes[..place]).is_err(), "{place}");
+    }
+
+    let output =
+        hpf(folder.path(), &["export", "policy.json", "--format", "postcard", "--scalar", "f32", "--out", "-"]);
+    assert!(output.status.success());
+    let single = Packed::parse(&output.stdout).unwrap();
+    let mut storage = vec![0.0; single.head().storage()];
+    let expected = motion(&policy.to_hybrid_of::<f32, 2>().unwrap());
+    assert_eq!(motion(&single.skill_in::<f32, 2>(&mut storage).unwrap()), expected);
+}
+
+#[test]
+fn nothing_is_overwritten_unless_forced() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("run")).unwrap();
+    write(&folder.path().join("run"), &policy());
+    let export =
+        |code: i32, more: &[&str]| expect(code, folder.path(), &[&["export", "run", "--format", "c"], more].concat());
+    let before = read(folder.path().join("run/policy.json"));
+    export(0, &[]);
+    let header = folder.path().join("run/policy.h");
+    assert!(read(&header).contains("#endif"));
+    fs::write(&header, "mine").unwrap();
+    let (_, stderr) = export(2, &[]);
+    assert!(stderr.contains("--force"), "{stderr}");
+    assert_eq!(read(&header), "mine");
+    export(0, &["--force"]);
+    assert!(read(&header).contains("#endif"));
+    let (_, stderr) = export(2, &["--out", "run/policy.json", "--force"]);
+    assert!(stderr.contains("the policy itself"), "{stderr}");
+    let (_, stderr) = export(2, &["--out", "run", "--force"]);
+    assert!(stderr.contains("this is a directory"), "{stderr}");
+    export(2, &["--out", "-", "--json"]);
+    assert_eq!(read(folder.path().join("run/policy.json")), before);
+    let (stdout, _) = export(0, &["--out", "there/skill.h", "--json"]);
+    let object: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let length = fs::metadata(folder.path().join("there/skill.h")).unwrap().len();
+    assert_eq!((object["form"].as_str(), object["bytes"].as_u64()), (Some("c"), Some(length)));
+    let (stdout, _) = export(0, &["--out", "-"]);
+    assert_eq!(stdout, read(header));
+}
+
+#[test]
+fn what_makes_no_skill_in_single_precision_is_refused() {
+    let (folder, mut policy) = (folder(), policy());
+    for axis in &mut policy.axes {
+        axis.movement.centers[1] = 1.0 - 1e-12; // a center of its own in f64 only
+    }
+    write(folder.path(), &policy);
+    for format in ["rust", "c", "binary"] {
+        let arguments = ["export", "policy.json", "--format", format, "--scalar"];
+        let (_, stderr) = expect(2, folder.path(), &[&arguments[..], &["f32"]].concat());
+        assert!(stderr.contains("policy.json: this makes no skill in f32: centers must fall"), "{stderr}");
+        expect(0, folder.path(), &[&arguments[..], &["f64"]].concat());
+    }
+    expect(2, folder.path(), &["export", "missing.json", "--format", "c"]);
+    expect(2, folder.path(), &["export", "policy.json"]);
+}
