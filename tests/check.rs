@@ -245,7 +245,7 @@ fn a_policy_that_stiffens_quickly_is_said_to_be_not_passive_and_from_when() {
     let energy = axis["switched_energy_j"].as_f64().unwrap();
     assert!(offset <= 10.0 / 30.0 && offset > 0.33, "{found:#}");
     assert!((energy / (0.5 * 370.0 * offset * offset) - 1.0).abs() < 1e-3, "{found:#}");
-    // Ten samples late: within a thousandth of (pi/2) d/(delay + h/2).
+    // Ten samples late: near the limit of the continuous law, (pi/2) d/(delay + h/2).
     let limit = axis["contact_stiffness_limit"].as_f64().unwrap();
     assert!((limit / (core::f64::consts::FRAC_PI_2 * 10.0 / 0.0105) - 1.0).abs() < 1e-2, "{found:#}");
     let (text, _) = expect(0, folder.path(), &["check", "policy.json"]);
