@@ -1,5 +1,6 @@
 //! `hpf export`: a policy for firmware.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
@@ -7,7 +8,7 @@ use serde_json::json;
 use crate::cli::{Common, Export};
 use crate::export::export as form;
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, policy_path, read_policy, say, say_bytes, write};
+use crate::files::{in_file, policy_path, read_policy, say, say_bytes, while_writing, write};
 
 /// Runs `hpf export`.
 pub fn export(options: &Export, common: &Common) -> Result<Outcome, Failure> {
@@ -25,6 +26,9 @@ pub fn export(options: &Export, common: &Common) -> Result<Outcome, Failure> {
         return Ok(Outcome::Done);
     }
     let target = target(&source, options, common)?;
+    if let Some(folder) = target.parent() {
+        fs::create_dir_all(folder).map_err(while_writing(folder))?;
+    }
     write(&target, &bytes)?;
     let (format, scalar) = (options.format.name(), options.scalar.name());
     if common.json {
