@@ -17,6 +17,7 @@
 extern crate std;
 
 pub mod abi;
+mod convert;
 pub mod f32;
 pub mod f64;
 pub mod instance;

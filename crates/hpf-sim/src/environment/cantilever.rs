@@ -139,20 +139,24 @@ impl Cantilever {
 mod tests {
     use super::*;
 
-    /// The paper's beam; deflections of both curves and the stiffness of the moving load, from the closed forms by hand.
-    #[test]
-    fn the_beam_bends_as_its_table_says() {
-        let beam = Cantilever {
+    fn papers_beam(curve: Curve, travel: Travel) -> Cantilever {
+        Cantilever {
             axis: "y".into(),
-            curve: Curve::TipLoad,
+            curve,
             length: 0.8,
             width: 0.05,
             thickness: 0.004,
             youngs_modulus: 200e9,
             force: 10.0,
             contact_stiffness: 1e6,
-            travel: Travel::MinimumJerk,
-        };
+            travel,
+        }
+    }
+
+    /// The paper's beam; deflections of both curves and the stiffness of the moving load, from the closed forms by hand.
+    #[test]
+    fn the_beam_bends_as_its_table_says() {
+        let beam = papers_beam(Curve::TipLoad, Travel::MinimumJerk);
         let table = [
             (0.05, 0.0078e-3, 0.1836e-3, 1.28e6),
             (0.10, 0.0625e-3, 0.7188e-3, 1.60e5),
@@ -173,17 +177,7 @@ mod tests {
 
     #[test]
     fn the_set_point_force_gives_the_deflection_and_the_indentation() {
-        let beam = Cantilever {
-            axis: "y".into(),
-            curve: Curve::MovingLoad,
-            length: 0.8,
-            width: 0.05,
-            thickness: 0.004,
-            youngs_modulus: 200e9,
-            force: 10.0,
-            contact_stiffness: 1e6,
-            travel: Travel::Linear,
-        };
+        let beam = papers_beam(Curve::MovingLoad, Travel::Linear);
         let surface = beam.surface(0.5, 0.1);
         let position = 0.1 + beam.deflection(0.4) + 1e-5;
         assert!((surface.contact_force(position) - 10.0).abs() < 1e-9);
