@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::export::{Format, Precision};
+use crate::figure;
 use crate::style::ColorChoice;
 
 /// Learn, run and inspect compliant robot skills: motion, stiffness and damping in one.
@@ -28,6 +29,15 @@ Examples:
   hpf export runs/cantilever --format rust           what was learned, for firmware
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
+
+const PLOT_EXAMPLES: &str = "\
+Examples:
+  hpf plot runs/cantilever --force
+  hpf plot runs/cantilever --only stiffness,deviation --format svg --out figures
+  hpf plot runs/via_point runs/higher --out compared
+
+Figures of one run go into its plots/, unless --out says where; those of several runs need --out. Several runs are drawn in the
+same figures, a colour each: at most 16, with axes of the same names and units.";
 
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]
@@ -72,8 +82,8 @@ Examples:
   hpf run runs/cantilever --rate 1000 --set contact.force=12
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
-    /// Draw the plots of a run again, from its tables
-    #[command(after_help = "Example:\n  hpf plot runs/cantilever --out figures")]
+    /// Draw the figures of a run again, or of several runs together, from their tables
+    #[command(after_help = PLOT_EXAMPLES)]
     Plot(Plot),
     /// Check a task or policy and say what it comes to; a policy with its certificates
     #[command(after_help = "\
@@ -127,9 +137,15 @@ pub struct Simulate {
 /// `hpf plot`
 #[derive(Args, Debug)]
 pub struct Plot {
-    /// Run directory
-    #[arg(value_name = "RUN")]
-    pub run: PathBuf,
+    /// Run directories
+    #[arg(value_name = "RUN", required = true)]
+    pub runs: Vec<PathBuf>,
+    /// Form of the figures
+    #[arg(long, value_enum, value_name = "FORM", default_value = "png")]
+    pub format: figure::Format,
+    /// Only these figures, such as stiffness,cost [default: all that the runs have in common]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub only: Vec<String>,
 }
 
 /// `hpf check`
