@@ -39,6 +39,16 @@ Examples:
 Figures of one run go into its plots/, unless --out says where; those of several runs need --out. Several runs are drawn in the
 same figures, a colour each: at most 16, with axes of the same names and units.";
 
+const SWEEP_EXAMPLES: &str = "\
+Examples:
+  hpf sweep tasks/via_point.toml --seeds 20
+  hpf sweep tasks/via_point.toml --seeds 10 --vary learning.noise.movement=3,10,30
+  hpf sweep tasks/cantilever.toml --vary learning.method=pi2,auto --vary 'contact.curve=\"tip_load\",\"moving_load\"'
+
+Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and a directory per run in runs/. The same command
+goes on where it was broken off: finished runs are kept, failed ones are tried again. Seeds count up from --seed. --force learns
+all runs again. Exit code 1 where a run failed, else 3 where one missed a target.";
+
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]
 pub struct Common {
@@ -101,6 +111,9 @@ Examples:
   hpf export runs/cantilever/policy.json --format c --out firmware/cantilever.h
   hpf export runs/cantilever --format binary --out - | sha256sum")]
     Export(Export),
+    /// Learn a task with several seeds and settings, several at once; compare what was learned
+    #[command(after_help = SWEEP_EXAMPLES)]
+    Sweep(Sweep),
     /// Say what is in a task, policy, run directory or MCAP log
     #[command(after_help = "Examples:\n  hpf info runs/cantilever\n  hpf info runs/cantilever/log.mcap")]
     Info(Info),
@@ -180,6 +193,26 @@ pub struct Export {
     /// Scalar
     #[arg(long, value_enum, value_name = "SCALAR", default_value = "f64")]
     pub scalar: Precision,
+}
+
+/// `hpf sweep`
+#[derive(Args, Debug)]
+pub struct Sweep {
+    /// Task file (TOML)
+    #[arg(value_name = "TASK")]
+    pub task: PathBuf,
+    /// Runs of every setting, each with a seed of its own
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Vary a key of the task over these values; several make a grid
+    #[arg(long, value_name = "KEY.PATH=VALUE,VALUE...")]
+    pub vary: Vec<String>,
+    /// Override a key of the task in every run, typed as in TOML; lists by position, from 0
+    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Keep snapshots, log and plots of every run too
+    #[arg(long)]
+    pub full: bool,
 }
 
 /// `hpf info`

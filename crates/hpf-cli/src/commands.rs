@@ -6,6 +6,7 @@ mod info;
 mod learn;
 mod plot;
 mod simulate;
+mod sweep;
 
 use crate::cli::{Arguments, Command};
 use crate::failure::{Failure, Outcome};
@@ -25,6 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Plot(options) => plot::plot(options, common),
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),
+        Command::Sweep(options) => sweep::sweep(options, common),
         Command::Info(options) => info::info(options, common),
     })
 }

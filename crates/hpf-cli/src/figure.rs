@@ -9,6 +9,7 @@ mod canvas;
 mod chart;
 mod contact;
 mod cost;
+mod distribution;
 mod ends;
 mod gain;
 mod layout;
@@ -36,6 +37,7 @@ use crate::files::while_writing;
 use crate::results::Run;
 
 pub use self::chart::Figure;
+pub use self::distribution::{Group, Measure, Member, cost as sweep_cost, measures as sweep_measures};
 pub use self::overlay::{Named, figures as overlaid};
 pub use self::palette::MOST_SERIES;
 pub use self::surface::Format;

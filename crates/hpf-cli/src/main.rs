@@ -9,14 +9,18 @@ mod export;
 mod failure;
 mod figure;
 mod files;
+mod interrupt;
 mod log;
 mod overrides;
 mod progress;
 mod render;
 mod report;
 mod results;
+mod statistics;
 mod style;
 mod summary;
+mod sweep;
+mod trial;
 
 use std::io::{Write as _, stderr};
 use std::process::ExitCode;

@@ -82,7 +82,10 @@ impl Layout {
         let beside = ends::width(figure);
         let room = square.unwrap_or(WIDTH - left - beside - MARGIN);
         let mut x_ticks = x.ticks(pieces(room, X_SPACING));
-        if widest(&x_ticks) + 40.0 > X_SPACING {
+        if x.scale == Scale::Named {
+            let slot = room / x_ticks.len().max(1) as f64;
+            x_ticks.iter_mut().for_each(|tick| tick.label = text::fit(&tick.label, SMALL, slot - 16.0));
+        } else if widest(&x_ticks) + 40.0 > X_SPACING {
             x_ticks = x.ticks(pieces(room, widest(&x_ticks) + 60.0));
         }
         // The last label is centred on its tick and must not be cut off.

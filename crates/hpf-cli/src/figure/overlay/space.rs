@@ -50,9 +50,8 @@ pub fn plane_path(runs: &[Named<'_>]) -> Figure {
             }
         }
         places.sort_by_key(|(_, pen)| pen.colour != BLACK);
-        layers.extend(places.into_iter().map(|(point, pen)| {
-            Layer::marks(mark, vec![shown(point)], pen).labelled(label)
-        }));
+        layers
+            .extend(places.into_iter().map(|(point, pen)| Layer::marks(mark, vec![shown(point)], pen).labelled(label)));
     }
     let axis = |name: &str, pick: fn(&Point) -> f64| {
         Axis::linear(name, length.unit, padded(all.iter().map(|point| length.factor * pick(point))))
