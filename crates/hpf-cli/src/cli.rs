@@ -49,6 +49,16 @@ Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and 
 goes on where it was broken off: finished runs are kept, failed ones are tried again. Seeds count up from --seed. --force learns
 all runs again. Exit code 1 where a run failed, else 3 where one missed a target.";
 
+const REPRODUCE_EXAMPLES: &str = "\
+Examples:
+  hpf reproduce
+  hpf reproduce --seeds 3 --out paper
+  hpf reproduce --check docs/reproduction.md
+
+Writes to runs/reproduction, or --out: figure_02_... to figure_12_..., claims.md and claims.json, results.csv with every seed, and
+the runs of the first seed. Seeds count up from --seed [default: 1]. --check and --update compare or replace what stands in a page
+between its two marks, and write nothing else. Exit code 1 where the page is not current.";
+
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]
 pub struct Common {
@@ -114,6 +124,9 @@ Examples:
     /// Learn a task with several seeds and settings, several at once; compare what was learned
     #[command(after_help = SWEEP_EXAMPLES)]
     Sweep(Sweep),
+    /// Draw every figure of the paper, and set its claims beside what comes out here
+    #[command(after_help = REPRODUCE_EXAMPLES)]
+    Reproduce(Reproduce),
     /// Say what is in a task, policy, run directory or MCAP log
     #[command(after_help = "Examples:\n  hpf info runs/cantilever\n  hpf info runs/cantilever/log.mcap")]
     Info(Info),
@@ -213,6 +226,20 @@ pub struct Sweep {
     /// Keep snapshots, log and plots of every run too
     #[arg(long)]
     pub full: bool,
+}
+
+/// `hpf reproduce`
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Runs of every task, each with a seed of its own
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Fail where what stands between the marks of this page is not what comes out
+    #[arg(long, value_name = "FILE", conflicts_with = "update")]
+    pub check: Option<PathBuf>,
+    /// Write what comes out between the marks of this page
+    #[arg(long, value_name = "FILE")]
+    pub update: Option<PathBuf>,
 }
 
 /// `hpf info`

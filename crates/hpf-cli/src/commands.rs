@@ -5,6 +5,7 @@ mod export;
 mod info;
 mod learn;
 mod plot;
+mod reproduce;
 mod simulate;
 mod sweep;
 
@@ -27,6 +28,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),
         Command::Sweep(options) => sweep::sweep(options, common),
+        Command::Reproduce(options) => reproduce::reproduce(options, common),
         Command::Info(options) => info::info(options, common),
     })
 }

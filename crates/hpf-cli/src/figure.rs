@@ -38,6 +38,7 @@ use crate::results::Run;
 
 pub use self::chart::Figure;
 pub use self::distribution::{Group, Measure, Member, cost as sweep_cost, measures as sweep_measures};
+pub use self::number::short;
 pub use self::overlay::{Named, figures as overlaid};
 pub use self::palette::MOST_SERIES;
 pub use self::surface::Format;

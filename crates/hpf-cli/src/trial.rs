@@ -86,9 +86,7 @@ pub fn learn(loaded: &LoadedTask) -> Result<Trial, Broken> {
     let (method, most) = (task.learning.method(), task.learning.max_rollouts);
     let learning = Instant::now();
     let history = hpf_learn::learn_with(&simulation, weights, &method, most, observe).map_err(|error| match error {
-        LearnError::Update { reason, history } => {
-            Broken::Failed(format!("{reason}, at update {}", history.updates + 1))
-        }
+        LearnError::Update { reason, .. } => failed(&reason),
         other => failed(&other),
     })?;
     let learning_s = learning.elapsed().as_secs_f64();

@@ -15,6 +15,9 @@ use crate::sweep::{Outcome, Plan, Sample, Setting, learn_all, render};
 /// The file that a sweep under way holds locked; one that was broken off leaves it.
 const LOCK: &str = ".lock";
 
+/// More failures than this are counted, not shown; the table has all.
+const MOST_SHOWN: usize = 10;
+
 /// Runs `hpf sweep`.
 pub fn sweep(options: &Sweep, common: &Common) -> Result<Exit, Failure> {
     let started = Instant::now();
@@ -54,10 +57,9 @@ pub fn sweep(options: &Sweep, common: &Common) -> Result<Exit, Failure> {
         return Ok(Exit::Interrupted);
     }
     let failed: Vec<String> = outcome.failed().map(|(run, why)| format!("{run}: {why}")).collect();
+    let shown = failed.iter().take(MOST_SHOWN).cloned().collect::<Vec<_>>().join("\n");
     match (failed.is_empty(), outcome.missed()) {
-        (false, _) => {
-            Err(Failure::Work(format!("{} of {} runs failed\n{}", failed.len(), plan.jobs.len(), failed.join("\n"))))
-        }
+        (false, _) => Err(Failure::Work(format!("{} of {} runs failed\n{}", failed.len(), plan.jobs.len(), shown))),
         (true, 0) => Ok(Exit::Done),
         (true, _) => Ok(Exit::Missed),
     }
@@ -89,7 +91,7 @@ fn groups(plan: &Plan, outcome: &Outcome<'_>) -> Vec<Group> {
     };
     let settings = plan.settings.iter().enumerate();
     let group = |(index, setting): (usize, &Setting)| Group {
-        name: setting.name.clone(),
+        name: plan.label(setting),
         short: plan.short_name(setting),
         members: outcome.of_setting(index).map(member).collect(),
     };

@@ -10,7 +10,7 @@ use super::surface::{Anchor, Area, Column, Format, Surface};
 use super::{ends, legend, text};
 
 /// How much a band covers what it lies on: two of them still show through each other.
-const BAND_OPACITY: f64 = 0.2;
+const BAND_OPACITY: f64 = 0.3;
 
 /// Draws `figure`, which belongs to `subject`, into the file `path`.
 ///

@@ -3,13 +3,15 @@
 use super::axis::{Axis, Scale, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::overlay::{cost_axis, motions_axis, steps};
-use super::palette::{BLACK, MOST_SERIES, Pen, VERMILLION, tint};
+use super::palette::{BLACK, MOST_SERIES, Pen, VERMILLION};
 use crate::statistics::Spread;
 
 /// Values farther apart than this, as a factor, are shown by their logarithm.
 const WIDEST_LINEAR: f64 = 30.0;
 /// Most places at which a curve is drawn.
 const PLACES: usize = 600;
+/// Width of a median: thin, so that narrow bands are seen beside it [px].
+const MEDIAN_WIDTH: f64 = 3.0;
 /// The golden section: its multiples never crowd.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
@@ -71,7 +73,8 @@ pub fn cost(groups: &[Group]) -> Figure {
         let (lower, upper) = (stepped(|spread| spread.lower), stepped(|spread| spread.upper));
         let between = lower.iter().zip(&upper).map(|(low, high)| (low.0, low.1, high.1)).collect();
         bands.push(Layer::between(between, Pen::series(i)));
-        lines.push(Layer::line(stepped(|spread| spread.median), Pen::series(i)).labelled(group.name.as_str()));
+        let pen = Pen { width: MEDIAN_WIDTH, ..Pen::series(i) };
+        lines.push(Layer::line(stepped(|spread| spread.median), pen).labelled(group.name.as_str()));
     }
     let ends = shown.iter().flat_map(|group| &group.members).filter_map(|member| member.costs.last()).map(|end| end.0);
     let one = matches!(shown.as_slice(), [one] if one.name.is_empty());
@@ -126,7 +129,7 @@ pub fn measures(groups: &[Group], varied: &str) -> Figure {
     let x = Axis::named(varied, ticks);
     let panels: Vec<Panel> = names.iter().filter_map(|name| measure_panel(&shown, name, &x)).collect();
     let same: Vec<_> =
-        names.iter().filter(|name| panels.iter().all(|panel| panel.heading != name.replace('_', " "))).collect();
+        names.iter().filter(|name| panels.iter().all(|panel| panel.y.quantity != name.replace('_', " "))).collect();
     let mut panels = panels;
     if let Some(first) = panels.first_mut() {
         first.note =
@@ -153,33 +156,36 @@ fn measure_panel(groups: &[&Group], name: &str, x: &Axis) -> Option<Panel> {
     }
     let is_small = all[0].unit == "m" && high.abs().max(low.abs()) < 0.1;
     let (factor, unit) = if is_small { (1e3, "mm".to_owned()) } else { (1.0, all[0].unit.clone()) };
+    // A few groups do not fill the figure.
+    let narrow = (groups.len() as f64 / 3.0).min(1.0);
     let mut layers = Vec::new();
     for (i, group) in groups.iter().enumerate() {
         let values: Vec<f64> = group.members.iter().filter_map(of).map(|measure| factor * measure.value).collect();
         let (middle, colour) = (i as f64, Pen::series(i).colour);
         if let Some(spread) = Spread::of(values.iter().copied()) {
-            let ends = (middle - 0.22, middle - 0.06);
-            let pale = Pen::thin(tint(colour, 0.45));
-            layers.push(Layer::block((ends.0, spread.lower), (ends.1, spread.upper), pale));
+            let ends = (middle - 0.22 * narrow, middle - 0.06 * narrow);
+            let at = |x: f64| (x, spread.lower, spread.upper);
+            layers.push(Layer::between(vec![at(ends.0), at(ends.1)], Pen::thin(colour)));
             layers.push(Layer::line(vec![(ends.0, spread.median), (ends.1, spread.median)], Pen::plain(BLACK)));
         }
         // Side by side, so that equal values do not hide each other.
-        let beside = |j: usize| middle + 0.02 + 0.2 * (j as f64 * GOLDEN).fract();
+        let beside = |j: usize| middle + narrow * (0.02 + 0.2 * (j as f64 * GOLDEN).fract());
         let dots = values.iter().enumerate().map(|(j, value)| (beside(j), *value)).collect();
         layers.push(Layer::marks(Mark::Speck, dots, Pen::thin(colour)));
     }
     if let Some(target) = target {
         layers.push(Layer::level(factor * target, Pen::dashed(VERMILLION)).labelled("target, at most"));
     }
+    let quantity = name.replace('_', " ");
     let logarithmic = low > 0.0 && high > WIDEST_LINEAR * low;
     let values = [low, high].into_iter().chain(target.filter(|target| !logarithmic || *target > 0.0));
     let (low, high) = span(values.map(|value| factor * value))?;
     let y = if logarithmic {
-        Axis::linear("", unit, (low / 1.5, high * 1.5)).with_scale(Scale::Logarithmic)
+        Axis::linear(quantity, unit, (low / 1.5, high * 1.5)).with_scale(Scale::Logarithmic)
     } else {
-        Axis::linear("", unit, padded([low, high]))
+        Axis::linear(quantity, unit, padded([low, high]))
     };
-    Some(Panel { heading: name.replace('_', " "), note: String::new(), x: x.clone(), y, layers })
+    Some(Panel { heading: String::new(), note: String::new(), x: x.clone(), y, layers })
 }
 
 #[cfg(test)]

@@ -100,6 +100,19 @@ impl Plan {
         Ok(Self { task: base.name, factors, settings, seeds, jobs })
     }
 
+    /// What figures call a setting: the last parts of its keys, where they tell the keys apart.
+    pub fn label(&self, setting: &Setting) -> String {
+        let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
+        let mut lasts: Vec<String> = self.factors.iter().map(|factor| last(&factor.key)).collect();
+        lasts.sort();
+        lasts.dedup();
+        let brief = lasts.len() == self.factors.len();
+        let name = |factor: &Factor| if brief { last(&factor.key) } else { factor.key.clone() };
+        let parts =
+            self.factors.iter().zip(&setting.values).map(|(factor, value)| format!("{} = {value}", name(factor)));
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
     /// What tells a setting from the others, briefly: its values.
     pub fn short_name(&self, setting: &Setting) -> String {
         if setting.values.is_empty() { self.task.clone() } else { setting.values.join(" / ") }

@@ -1,10 +1,8 @@
 //! Learning the runs that are not there yet: several at once, each as it would be learned alone.
 
-use core::sync::atomic::{AtomicUsize, Ordering};
 use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
-use std::thread;
 
 use serde_json::{Value, json};
 
@@ -13,6 +11,7 @@ use crate::failure::Failure;
 use crate::files::sha256;
 use crate::interrupt;
 use crate::progress::Tally;
+use crate::side_by_side::side_by_side;
 use crate::trial::{self, Broken};
 
 /// What became of the runs of a plan.
@@ -83,35 +82,17 @@ pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: boo
     let kept = plan.jobs.len() - waiting.len();
     let failures = Mutex::new(vec![None; plan.jobs.len()]);
     let tally = Mutex::new(Tally::new(&plan.task, plan.jobs.len(), kept, quiet));
-    let (next, threads) = (AtomicUsize::new(0), rayon::current_num_threads());
-    let workers = threads.min(waiting.len()).max(1);
-    let work = || {
-        // Runs do not steal from each other: a pool of its own lets each finish before the next begins.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads((threads / workers).max(1)).build();
-        while let Some(&index) = waiting.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if interrupt::is_asked() {
-                break;
-            }
-            let job = &plan.jobs[index];
-            let learned = match &pool {
-                Ok(pool) => pool.install(|| learn(job, folder, full)),
-                Err(error) => Err(Broken::Failed(format!("cannot start threads: {error}"))),
-            };
-            let failure = match learned {
-                Err(Broken::Interrupted) => continue,
-                Err(Broken::Failed(why)) => Some(why),
-                Ok(()) => None,
-            };
-            tally.lock().expect("no worker panics").count(job.directory.display(), failure.as_deref());
-            failures.lock().expect("no worker panics")[index] = failure;
-        }
-    };
-    interrupt::watch();
-    thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(work);
-        }
-    });
+    side_by_side(waiting.len(), |index| {
+        let index = waiting[index];
+        let job = &plan.jobs[index];
+        let failure = match learn(job, folder, full) {
+            Err(Broken::Interrupted) => return,
+            Err(Broken::Failed(why)) => Some(why),
+            Ok(()) => None,
+        };
+        tally.lock().expect("no worker panics").count(job.directory.display(), failure.as_deref());
+        failures.lock().expect("no worker panics")[index] = failure;
+    })?;
     tally.into_inner().expect("no worker panics").finish();
     let failures = failures.into_inner().expect("no worker panics");
     Ok(Done { failures, kept, interrupted: interrupt::is_asked() })
