@@ -11,6 +11,6 @@ mod study;
 mod words;
 
 pub use self::claims::{Claim, claims, variants};
-pub use self::figures::figures;
+pub use self::figures::{of_first_seed, over_seeds};
 pub use self::page::{difference, json, markdown, placed};
 pub use self::study::{Study, Variant};

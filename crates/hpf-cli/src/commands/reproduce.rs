@@ -11,7 +11,8 @@ use crate::failure::{Failure, Outcome};
 use crate::figure::{self, Format};
 use crate::files::{self, in_file, read_text, say, while_writing};
 use crate::reproduce::{
-    Claim, Study, Variant, claims, difference, figures, json as claims_json, markdown, placed, variants,
+    Claim, Study, Variant, claims, difference, json as claims_json, markdown, of_first_seed, over_seeds, placed,
+    variants,
 };
 use crate::{render, trial};
 
@@ -95,7 +96,8 @@ fn write(
 ) -> Result<Vec<String>, Failure> {
     fs::create_dir_all(folder).map_err(while_writing(folder))?;
     let subject = format!("seed {}", study.seeds[0]);
-    let mut names = figure::draw(&figures(study), &subject, Format::Png, folder)?;
+    let mut names = figure::draw(&of_first_seed(study), &subject, Format::Png, folder)?;
+    names.extend(figure::draw(&over_seeds(study), "", Format::Png, folder)?);
     for variant in [Variant::ViaPoint, Variant::Cantilever] {
         let (prepared, trial) = study.first(variant);
         trial::save(trial, prepared, true, &folder.join(variant.name()))?;

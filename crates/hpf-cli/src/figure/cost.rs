@@ -37,21 +37,19 @@ pub fn cost(run: &Run) -> Figure {
         }
     }
     layers.push(line(rows, total, Pen::strong(BLACK), "total"));
-    let mut notes = Vec::new();
+    let note = match left_out.as_slice() {
+        [] => String::new(),
+        names => format!("below {}: {}", short(VISIBLE * range.0, 1), names.join(", ")),
+    };
     let best = run.policy.provenance.updates;
-    if let Some(row) = rows.iter().find(|row| row.update == best && rows.len() > 1) {
-        layers.push(Layer::marks(Mark::Ring, vec![(best as f64, row.total)], Pen::strong(BLUE)));
-        notes.push(format!("ring: the learned policy, update {best}"));
-    }
-    if !left_out.is_empty() {
-        notes.push(format!("below {}, not shown: {}", short(VISIBLE * range.0, 1), left_out.join(", ")));
-    }
+    let learned = rows.iter().find(|row| row.update == best && rows.len() > 1);
+    layers.extend(learned.map(|row| Layer::marks(Mark::Ring, vec![(best as f64, row.total)], Pen::strong(BLUE))));
 
     let updates = span(rows.iter().map(|row| row.update as f64)).unwrap_or((0.0, 1.0));
     let updates = if updates.0 < updates.1 { updates } else { (updates.0 - 0.5, updates.1 + 0.5) };
     let panel = Panel {
-        heading: String::new(),
-        note: notes.join("; "),
+        heading: learned.map_or_else(String::new, |_| format!("ring: learned, update {best}")),
+        note,
         x: Axis::linear("update", "", updates).with_scale(Scale::Counted),
         y: Axis::linear("cost", "", range).with_scale(Scale::Logarithmic),
         layers,

@@ -9,7 +9,7 @@ use crate::statistics::Spread;
 /// Values farther apart than this, as a factor, are shown by their logarithm.
 const WIDEST_LINEAR: f64 = 30.0;
 /// Most places at which a curve is drawn.
-const PLACES: usize = 600;
+const PLACES: usize = 4000;
 /// Width of a median: thin, so that narrow bands are seen beside it [px].
 const MEDIAN_WIDTH: f64 = 3.0;
 /// The golden section: its multiples never crowd.

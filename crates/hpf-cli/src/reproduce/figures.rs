@@ -19,8 +19,8 @@ const NUMBERED: [(usize, &str, Variant); 11] = [
     (12, "deviation", Variant::Cantilever),
 ];
 
-/// The paper's figures, from the first seed, then the contact force and the cost over all seeds.
-pub fn figures(study: &Study) -> Vec<Drawing<'_>> {
+/// The paper's figures and the contact force, from the first seed.
+pub fn of_first_seed(study: &Study) -> Vec<Drawing<'_>> {
     let of = |variant: Variant, name: &str, file: String| {
         let drawings = of_run(&study.first(variant).1.run);
         let found = drawings.into_iter().find(|drawing| drawing.name == name);
@@ -30,6 +30,11 @@ pub fn figures(study: &Study) -> Vec<Drawing<'_>> {
         NUMBERED.iter().filter_map(|(number, name, variant)| of(*variant, name, format!("figure_{number:02}_{name}")));
     let mut drawings: Vec<Drawing<'_>> = numbered.collect();
     drawings.extend(of(Variant::Cantilever, "contact_force", "more_contact_force".into()));
+    drawings
+}
+
+/// The cost over all seeds.
+pub fn over_seeds(study: &Study) -> Vec<Drawing<'_>> {
     let seeds = |shown: &'static [(Variant, &'static str)]| {
         move || {
             let group = |(variant, name): &(Variant, &str)| Group {
@@ -40,19 +45,13 @@ pub fn figures(study: &Study) -> Vec<Drawing<'_>> {
             sweep_cost(&shown.iter().map(group).collect::<Vec<_>>())
         }
     };
-    drawings.push(Drawing::new(
-        "more_cost_task_1",
-        seeds(&[
-            (Variant::ViaPoint, "PI2, as shipped"),
-            (Variant::PaperPi2, "PI2, as written"),
-            (Variant::Signals, "from signals"),
-        ]),
-    ));
-    drawings.push(Drawing::new(
-        "more_cost_task_2",
-        seeds(&[(Variant::Cantilever, "paper's curve"), (Variant::MovingLoad, "physical curve")]),
-    ));
-    drawings
+    let first = seeds(&[
+        (Variant::ViaPoint, "PI2, as shipped"),
+        (Variant::PaperPi2, "PI2, as written"),
+        (Variant::Signals, "from signals"),
+    ]);
+    let second = seeds(&[(Variant::Cantilever, "paper's curve"), (Variant::MovingLoad, "physical curve")]);
+    vec![Drawing::new("more_cost_task_1", first), Drawing::new("more_cost_task_2", second)]
 }
 
 fn member(trial: &Trial) -> Member {

@@ -8,6 +8,9 @@ const DIGITS: usize = 2;
 
 /// A number with its unit; small lengths in millimetres.
 pub fn value(number: f64, unit: &str) -> String {
+    if unit == "motions" {
+        return format!("{number:.0} motions");
+    }
     let (number, unit) = if unit == "m" && number.abs() < 0.1 { (1e3 * number, "mm") } else { (number, unit) };
     let text = short(number, if number.abs() >= 100.0 { DIGITS + 1 } else { DIGITS });
     if unit.is_empty() { text } else { format!("{text} {unit}") }
@@ -30,7 +33,8 @@ pub fn worst(spread: Spread, worst: Worst) -> f64 {
     }
 }
 
-/// Median and worst of a spread in words.
+/// Median and worst of a spread in words: once, where they are the same.
 pub fn both(spread: Spread, end: Worst, unit: &str) -> String {
-    format!("{}, worst {}", value(spread.median, unit), value(worst(spread, end), unit))
+    let [median, worst] = [spread.median, worst(spread, end)].map(|number| value(number, unit));
+    if median == worst { median } else { format!("{median}, worst {worst}") }
 }
