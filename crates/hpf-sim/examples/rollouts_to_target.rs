@@ -64,7 +64,7 @@ impl Problem for View<'_> {
         self.simulation.workspace()
     }
 
-    fn rollout(&self, _: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
         Problem::rollout(self.simulation, parameters, trace, cost);
     }
 
