@@ -8,7 +8,9 @@ mod export;
 mod info;
 mod learn;
 mod plot;
+mod reproduce;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;
 mod support;
+mod sweep;

@@ -22,8 +22,10 @@ pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failur
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("runs/reproduction"));
     let page = options.check.as_ref().or(options.update.as_ref());
     let page = page.map(|path| Ok::<_, Failure>((path, read_text(path)?))).transpose()?;
-    if page.is_none() {
-        free(&folder, common.force)?;
+    match &page {
+        // A page without marks is refused before anything is learned.
+        Some((path, text)) => drop(placed(text, "").map_err(in_file(path))?),
+        None => free(&folder, common.force)?,
     }
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
