@@ -36,8 +36,8 @@ Examples:
   hpf plot runs/cantilever --only stiffness,deviation --format svg --out figures
   hpf plot runs/via_point runs/higher --out compared
 
-Figures of one run go into its plots/, unless --out says where; those of several runs need --out. Several runs are drawn in the
-same figures, a colour each: at most 16, with axes of the same names and units.";
+Figures of one run go into its plots/, unless --out says where; those of several runs need --out. Several runs are drawn in \
+the same figures, a colour each: at most 16, with axes of the same names and units.";
 
 const SWEEP_EXAMPLES: &str = "\
 Examples:
@@ -45,9 +45,9 @@ Examples:
   hpf sweep tasks/via_point.toml --seeds 10 --vary learning.noise.movement=3,10,30
   hpf sweep tasks/cantilever.toml --vary learning.method=pi2,auto --vary 'contact.curve=\"tip_load\",\"moving_load\"'
 
-Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and a directory per run in runs/. The same command
-goes on where it was broken off: finished runs are kept, failed ones are tried again. Seeds count up from --seed. --force learns
-all runs again. Exit code 1 where a run failed, else 3 where one missed a target.";
+Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and a directory per run in runs/. The same \
+command goes on where it was broken off: finished runs are kept, failed ones are tried again. Seeds count up from --seed. \
+--force learns all runs again. Exit code 1 where a run failed, else 3 where one missed a target.";
 
 const REPRODUCE_EXAMPLES: &str = "\
 Examples:
@@ -55,9 +55,9 @@ Examples:
   hpf reproduce --seeds 3 --out paper
   hpf reproduce --check docs/reproduction.md
 
-Writes to runs/reproduction, or --out: figure_02_... to figure_12_..., claims.md and claims.json, results.csv with every seed, and
-the runs of the first seed. Seeds count up from --seed [default: 1]. --check and --update compare or replace what stands in a page
-between its two marks, and write nothing else. Exit code 1 where the page is not current.";
+Writes to runs/reproduction, or --out: figure_02_... to figure_12_..., claims.md and claims.json, results.csv with every \
+seed, and the runs of the first seed. Seeds count up from --seed [default: 1]. --check and --update compare or replace what \
+stands in a page between its two marks, and write nothing else. Exit code 1 where the page is not current.";
 
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]

@@ -8,9 +8,11 @@ mod decisions;
 mod figures;
 mod page;
 mod study;
+mod variants;
 mod words;
 
-pub use self::claims::{Claim, claims, variants};
+pub use self::claims::{Claim, claims};
 pub use self::figures::{of_first_seed, over_seeds};
 pub use self::page::{difference, json, markdown, placed};
 pub use self::study::{Study, Variant};
+pub use self::variants::variants;

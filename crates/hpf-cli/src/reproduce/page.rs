@@ -22,7 +22,7 @@ pub fn markdown(study: &Study, claims: &[Claim], variants: &[Claim]) -> String {
         &["the paper", "claim", &ours, "holds?"],
         claims.iter().map(|claim| {
             let verdict = if claim.holds == Some(true) { "yes" } else { "**no**" };
-            let because = if claim.because.is_empty() { String::new() } else { format!(": {}", claim.because) };
+            let because = if claim.because.is_empty() { String::new() } else { format!("; {}", claim.because) };
             vec![claim.place.to_owned(), claim.says.to_owned(), claim.ours.clone(), format!("{verdict}{because}")]
         }),
     );
