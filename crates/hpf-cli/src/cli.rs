@@ -36,7 +36,7 @@ Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [ac
 /// Options accepted before and after the command. One that means nothing to a command is refused by
 /// [`crate::commands::run`].
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Options of every command, refused where they mean nothing")]
+#[command(next_help_heading = "Common options, refused where they mean nothing")]
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
@@ -76,7 +76,7 @@ Examples:
     #[command(after_help = "\
 Examples:
   hpf run runs/cantilever
-  hpf run runs/cantilever --rate 1000 --set contact.force=12
+  hpf run runs/cantilever --rate 1000 --set contact.force=12  # misses its targets: exit code 3
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
     /// Draw the plots of a run again, from its tables

@@ -36,8 +36,8 @@ struct Row {
     values: Vec<Option<f64>>,
     /// Of each run, whether its target was met.
     passes: Vec<Option<bool>>,
-    /// Whether less is better.
-    is_price: bool,
+    /// Whether the least is marked.
+    marks_least: bool,
 }
 
 impl Comparison {
@@ -66,6 +66,11 @@ impl Comparison {
         })
     }
 
+    /// Whether all runs are of one task: only then is the least cost the best.
+    fn is_one_task(&self) -> bool {
+        self.sides.iter().all(|side| side.summary["task"] == self.sides[0].summary["task"])
+    }
+
     /// A cost term before or after learning, in the order of the first run that has it.
     fn costs(&self, when: &str) -> Vec<Row> {
         let terms = |side: &Side| side.summary["cost"][when].as_object().cloned().unwrap_or_default();
@@ -76,7 +81,7 @@ impl Comparison {
             values: self.sides.iter().map(|side| terms(side).get(&name).and_then(Value::as_f64)).collect(),
             passes: vec![None; self.sides.len()],
             unit: String::new(),
-            is_price: true,
+            marks_least: self.is_one_task(),
             name,
         };
         let mut rows: Vec<Row> = names.into_iter().map(row).collect();
@@ -95,7 +100,7 @@ impl Comparison {
                 unit: found.iter().map(|metric| text(metric, "unit")).find(|unit| !unit.is_empty()).unwrap_or_default(),
                 values: found.iter().map(|metric| metric["value"].as_f64()).collect(),
                 passes: found.iter().map(|metric| metric["pass"].as_bool()).collect(),
-                is_price: name.starts_with("max_"),
+                marks_least: self.is_one_task() && name.starts_with("max_"),
                 name,
             }
         };
@@ -136,7 +141,7 @@ impl Row {
         let cell = |(value, pass): (&Option<f64>, &Option<bool>)| {
             let Some(value) = value else { return "-  ".to_owned() };
             let miss = if *pass == Some(false) { "!" } else { " " };
-            let best = if self.is_price && least < most && *value == least { "*" } else { " " };
+            let best = if self.marks_least && least < most && *value == least { "*" } else { " " };
             format!("{}{miss}{best}", measure(*value, &self.unit))
         };
         let mut cells: Vec<String> = self.values.iter().zip(&self.passes).map(cell).collect();
@@ -153,6 +158,8 @@ fn change(first: f64, second: f64) -> String {
     match ratio {
         _ if first == second => "=".into(),
         _ if !ratio.is_finite() || ratio <= 0.0 => String::new(),
+        ratio if ratio > 1e4 => format!("x {ratio:.1e}"),
+        ratio if ratio < 1e-4 => format!("x 1/{:.1e}", ratio.recip()),
         ratio if ratio > 10.0 => format!("x {}", number(ratio)),
         ratio if ratio < 0.1 => format!("x 1/{}", number(ratio.recip())),
         ratio => format!("{:+.1} %", 100.0 * (ratio - 1.0)),
@@ -201,7 +208,8 @@ impl fmt::Display for Comparison {
                 values.iter().map(|value| if value.is_null() { "-".into() } else { shortened(&word(value)) } + "  ");
             line(&format!("  {key}"), &shown.collect::<Vec<_>>())?;
         }
-        writeln!(f, "\n* the least of the row   ! misses its target")
+        let least = if self.is_one_task() { "* the least of the row   " } else { "" };
+        writeln!(f, "\n{least}! misses its target")
     }
 }
 

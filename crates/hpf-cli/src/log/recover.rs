@@ -256,6 +256,8 @@ fn aligned(rest: &[u8]) -> Place<'_> {
             }
             op::CHUNK => Place::Damaged(length),
             op::ATTACHMENT if attachment_crc(data) != Some(0) => Place::Damaged(length),
+            // A damaged length may reach over records that are whole.
+            _ if hides_record(data) => Place::Strange,
             _ => Place::Piece(Piece::Record(opcode, data), length),
         };
     }
@@ -290,6 +292,12 @@ fn proven(rest: &[u8]) -> Place<'_> {
         _ => false,
     };
     if is_proven { Place::Piece(Piece::Record(opcode, data), RECORD_HEAD + data.len()) } else { Place::Strange }
+}
+
+/// Whether a chunk or an attachment that is whole stands in `bytes`.
+fn hides_record(bytes: &[u8]) -> bool {
+    let may_be = |at: &usize| [op::CHUNK, op::ATTACHMENT].contains(&bytes[*at]);
+    (0..bytes.len()).filter(may_be).any(|at| !matches!(proven(&bytes[at..]), Place::Strange))
 }
 
 /// Whether a record, all of it or its first bytes, may begin here.
