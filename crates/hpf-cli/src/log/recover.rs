@@ -276,10 +276,11 @@ fn aligned(rest: &[u8]) -> Place<'_> {
 fn proven(rest: &[u8]) -> Place<'_> {
     let Some((&opcode, _)) = rest.split_first() else { return Place::Strange };
     if opcode == op::CHUNK && rest.len() > RECORD_HEAD {
-        // The length of the record may be what is damaged: the chunk has one of its own.
+        // One of the lengths, the record's and the chunk's own, may be damaged: the shorter one reaches over no other.
+        let outer = Fields(&rest[1..]).u64().and_then(|length| usize::try_from(length).ok()).unwrap_or(usize::MAX);
         let found = chunk(&rest[RECORD_HEAD..]).filter(|chunk| chunk.crc != 0 && is_intact(chunk));
         return found.map_or(Place::Strange, |chunk| {
-            let length = RECORD_HEAD + chunk.extent();
+            let length = RECORD_HEAD + chunk.extent().min(outer);
             Place::Piece(Piece::Whole(chunk), length)
         });
     }

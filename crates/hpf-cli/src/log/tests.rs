@@ -259,8 +259,8 @@ fn recovery_of_a_damaged_log_keeps_every_other_chunk() {
     let bytes = log_of(&run(), "recover_damaged");
     let chunks = by_chunk(&bytes);
     let lengths = chunks.iter().flat_map(|(place, _)| (place.start..place.start + 60).chain(place.end..place.end + 20));
-    for at in (0..bytes.len()).step_by(bytes.len() / 400).chain(lengths) {
-        for flip in [0x01, 0xa5, 0xff] {
+    for at in (0..bytes.len()).step_by(bytes.len() / 200).chain(lengths) {
+        for flip in [0x01, 0xff] {
             let mut damaged = bytes.clone();
             damaged[at] ^= flip;
             let found = recover(&damaged).unwrap();
