@@ -33,7 +33,7 @@ fn runs_stand_side_by_side_with_the_keys_in_which_they_differ() {
     expect(0, folder.path(), &fewer);
     let (stdout, _) = expect(0, folder.path(), &["info", "long", "short"]);
     let line = |name: &str| {
-        let found = stdout.lines().filter(|line| line.trim_start().starts_with(name)).next_back();
+        let found = stdout.lines().rfind(|line| line.trim_start().starts_with(name));
         found.unwrap_or_else(|| panic!("no {name}: {stdout}")).split_whitespace().collect::<Vec<_>>()
     };
     assert_eq!(line("motions")[1..], ["2101", "43"]);

@@ -256,3 +256,50 @@ pub struct Completions {
     #[arg(value_enum, value_name = "SHELL")]
     pub shell: Shell,
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use clap::error::ErrorKind;
+
+    use super::*;
+
+    /// Words of a shell line, quotes taken off.
+    fn words(line: &str) -> Vec<String> {
+        let mut words = vec![String::new()];
+        let mut is_quoted = false;
+        for letter in line.chars() {
+            match letter {
+                '\'' => is_quoted = !is_quoted,
+                ' ' | '\n' if !is_quoted => words.push(String::new()),
+                letter => words.last_mut().expect("there is always a word").push(letter),
+            }
+        }
+        words.retain(|word| !word.is_empty());
+        words
+    }
+
+    #[test]
+    fn every_command_that_the_text_of_the_documentation_names_exists_with_its_options() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut pages = vec![root.join("README.md")];
+        pages.extend(fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path()));
+        let mut count = 0;
+        for page in pages.iter().filter(|page| page.extension().is_some_and(|extension| extension == "md")) {
+            let text = fs::read_to_string(page).unwrap();
+            let spans = text.split('`').skip(1).step_by(2).filter(|span| span.starts_with("hpf "));
+            // A form with alternatives or options in brackets is no line to type.
+            for span in spans.filter(|span| !["|", " [", "COMMAND"].iter().any(|part| span.contains(part))) {
+                count += 1;
+                let Err(error) = Arguments::try_parse_from(words(span)) else { continue };
+                // A command is often named without its file, and `KIND` stands for one.
+                let is_short = matches!(error.kind(), ErrorKind::MissingRequiredArgument | ErrorKind::DisplayHelp)
+                    || (error.kind() == ErrorKind::InvalidValue && span.ends_with(|last: char| last.is_uppercase()));
+                assert!(is_short, "{}: `{span}`: {error}", page.display());
+            }
+        }
+        assert!(count > 20, "only {count} commands are named");
+    }
+}

@@ -7,22 +7,49 @@ use serde_json::{Value, json};
 
 use crate::render::number;
 
-/// What a packed skill holds, axis by axis: start and goal, ranges of stiffness and damping.
-fn axes_of(skill: &Packed<'_>) -> Vec<(&'static str, [f64; 2], [[f64; 4]; 2])> {
+/// What a packed skill holds of one axis.
+struct Axis {
+    unit: &'static str,
+    start: f64,
+    goal: f64,
+    /// Stiffness and damping.
+    gains: [Range; 2],
+}
+
+/// Weights of a gain and their bounds.
+struct Range {
+    least: f64,
+    most: f64,
+    min: f64,
+    max: f64,
+}
+
+impl Range {
+    /// The range of a gain as it is packed: its bounds, then its weights.
+    fn of(numbers: &[f64]) -> Self {
+        let weights = &numbers[2..];
+        let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self { least, most, min: numbers[0], max: numbers[1] }
+    }
+
+    fn to_json(&self) -> Value {
+        json!({ "least": self.least, "most": self.most, "min": self.min, "max": self.max })
+    }
+}
+
+/// The axes, which stand last in a packed skill.
+fn axes_of(skill: &Packed<'_>) -> Vec<Axis> {
     let numbers: Vec<f64> = skill.values().collect();
     let [movement, stiffness, damping] = skill.head().functions.map(usize::from);
-    let axis_length = 4 + movement + 2 + stiffness + 2 + damping;
-    let axes = &numbers[numbers.len() - usize::from(skill.head().axes) * axis_length..];
-    let gain = |gain: &[f64]| {
-        let range = gain[2..].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, w| (r.0.min(*w), r.1.max(*w)));
-        [range.0, range.1, gain[0], gain[1]]
-    };
+    let length = 4 + movement + 2 + stiffness + 2 + damping;
+    let axes = &numbers[numbers.len() - usize::from(skill.head().axes) * length..];
     let axis = |(i, axis): (usize, &[f64])| {
         let unit = if skill.head().rotary >> i & 1 == 1 { "rad" } else { "m" };
-        let (stiff, damp) = axis[4 + movement..].split_at(2 + stiffness);
-        (unit, [axis[0], axis[1]], [gain(stiff), gain(damp)])
+        let (stiffness, damping) = axis[4 + movement..].split_at(2 + stiffness);
+        Axis { unit, start: axis[0], goal: axis[1], gains: [stiffness, damping].map(Range::of) }
     };
-    axes.chunks_exact(axis_length).enumerate().map(axis).collect()
+    axes.chunks_exact(length).enumerate().map(axis).collect()
 }
 
 /// What a packed skill is.
@@ -37,10 +64,10 @@ pub fn text(skill: &Packed<'_>) -> String {
         head.length()
     );
     let _ = writeln!(text, "  basis       {movement} movement, {stiffness} stiffness, {damping} damping");
-    for (i, (unit, [start, goal], gains)) in axes_of(skill).into_iter().enumerate() {
-        let _ = writeln!(text, "  axis        {i}: {start} -> {goal} {unit}");
-        for (name, range) in ["stiffness", "damping"].into_iter().zip(gains) {
-            let [least, most, min, max] = range.map(number);
+    for (i, axis) in axes_of(skill).into_iter().enumerate() {
+        let _ = writeln!(text, "  axis        {i}: {} -> {} {}", axis.start, axis.goal, axis.unit);
+        for (name, Range { least, most, min, max }) in ["stiffness", "damping"].into_iter().zip(axis.gains) {
+            let [least, most, min, max] = [least, most, min, max].map(number);
             let _ = writeln!(text, "    {name:<9} {least} .. {most}, bounds {min} .. {max}");
         }
     }
@@ -49,10 +76,11 @@ pub fn text(skill: &Packed<'_>) -> String {
 
 /// The same for programs.
 pub fn to_json(skill: &Packed<'_>) -> Value {
-    let axes = axes_of(skill).into_iter().map(|(unit, [start, goal], gains)| {
-        let [stiffness, damping] =
-            gains.map(|[least, most, min, max]| json!({ "least": least, "most": most, "min": min, "max": max }));
-        json!({ "unit": unit, "start": start, "goal": goal, "stiffness": stiffness, "damping": damping })
+    let axes = axes_of(skill).into_iter().map(|axis| {
+        let [stiffness, damping] = axis.gains.map(|gain| gain.to_json());
+        json!({
+            "unit": axis.unit, "start": axis.start, "goal": axis.goal, "stiffness": stiffness, "damping": damping,
+        })
     });
     let head = skill.head();
     json!({
