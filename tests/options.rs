@@ -26,6 +26,9 @@ fn an_option_that_means_nothing_to_a_command_is_refused() {
         let (_, stderr) = expect(2, folder.path(), arguments);
         assert!(stderr.contains("means nothing to hpf "), "{arguments:?}: {stderr}");
     }
+    expect(0, folder.path(), &["learn", &reach, "--quiet", "--out", "run"]);
+    let (_, stderr) = expect(2, folder.path(), &["check", "run", "--seed", "1"]);
+    assert!(stderr.contains("--seed means nothing to a policy"), "{stderr}");
     assert!(!folder.path().join("there").exists() && !folder.path().join("reach.toml").exists());
 }
 

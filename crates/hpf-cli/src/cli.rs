@@ -25,7 +25,7 @@ const EXAMPLES: &str = "\
 Examples:
   hpf init reach --out my_task.toml                  # a task to start from
   hpf check my_task.toml                             # is it right, and what does it come to?
-  hpf learn tasks/cantilever.toml                    # learn a task, keep everything in runs/cantilever
+  hpf learn tasks/cantilever.toml                    # learn a task, keep all in runs/cantilever
   hpf learn tasks/cantilever.toml --seed 2 --out out # another seed, another place
   hpf info runs/cantilever out                       # both side by side
   hpf run runs/cantilever --rate 1000                # run what was learned, at 1000 Hz

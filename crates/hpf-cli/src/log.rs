@@ -13,6 +13,7 @@ mod proto;
 mod read;
 mod recover;
 mod ros2;
+mod scan;
 mod scene;
 mod show;
 mod space;
