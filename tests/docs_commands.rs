@@ -69,7 +69,9 @@ fn every_command_of_the_documentation_runs() {
         let lines = shell_lines(&read(page));
         let shown = |line: &String| lines.iter().any(|own| words(own) == words(line));
         let before = readme.iter().filter(|line| line.starts_with("hpf learn") && !shown(line));
-        before.filter(|_| page != &pages[0] && !lines.is_empty()).for_each(|line| run(folder.path(), line, "README.md"));
+        before
+            .filter(|_| page != &pages[0] && !lines.is_empty())
+            .for_each(|line| run(folder.path(), line, "README.md"));
         for line in lines.iter().filter(|line| is_cheap(line)) {
             run(folder.path(), line, &page.display().to_string());
             count += 1;
