@@ -54,7 +54,7 @@ fn several_runs_are_drawn_in_the_same_figures() {
         let both = fs::read(folder.path().join("both").join(&file)).unwrap();
         assert!(both != fs::read(folder.path().join("low/plots").join(&file)).unwrap(), "{name} shows one run only");
     }
-    expect(0, folder.path(), &["plot", "low", "high", "--out", "again", "--threads", "1"]);
+    expect(0, folder.path(), &["plot", "low", "high", "--out", "again"]);
     let bytes = |place: &str| fs::read(folder.path().join(place).join("path.png")).unwrap();
     assert!(bytes("both") == bytes("again"));
     let (_, stderr) = expect(2, folder.path(), &["plot", "low", "low", "--out", "x"]);

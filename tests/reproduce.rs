@@ -80,6 +80,8 @@ fn results_are_not_replaced_unasked_and_a_page_without_marks_is_refused_at_once(
     let (_, stderr) = expect(2, folder.path(), &["reproduce", "--out", "p", "--force"]);
     assert!(stderr.contains("no reproduction"), "{stderr}");
     fs::write(folder.path().join("page.md"), "no marks").unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["reproduce", "--check", "page.md", "--json"]);
+    assert!(stderr.contains("--json means nothing"), "{stderr}");
     let (_, stderr) = expect(2, folder.path(), &["reproduce", "--check", "page.md"]);
     assert!(stderr.contains("page.md") && stderr.contains("begin: hpf reproduce"), "{stderr}");
 }

@@ -4,6 +4,7 @@
 
 mod cli;
 mod commands;
+mod comparison;
 mod directory;
 mod export;
 mod failure;
@@ -12,6 +13,7 @@ mod files;
 mod interrupt;
 mod log;
 mod overrides;
+mod packed;
 mod progress;
 mod render;
 mod report;

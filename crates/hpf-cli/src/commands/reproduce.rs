@@ -19,6 +19,12 @@ use crate::{render, trial};
 /// Runs `hpf reproduce`.
 pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failure> {
     let started = Instant::now();
+    if options.check.is_some() || options.update.is_some() {
+        let meaningless = [("--out", common.out.is_some()), ("--force", common.force), ("--json", common.json)];
+        if let Some((option, _)) = meaningless.into_iter().find(|(_, given)| *given) {
+            return Err(Failure::Input(format!("{option} means nothing to --check and --update: leave it out")));
+        }
+    }
     let folder = common.out.clone().unwrap_or_else(|| PathBuf::from("runs/reproduction"));
     let page = options.check.as_ref().or(options.update.as_ref());
     let page = page.map(|path| Ok::<_, Failure>((path, read_text(path)?))).transpose()?;

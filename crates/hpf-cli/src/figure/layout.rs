@@ -88,9 +88,9 @@ impl Layout {
         } else if widest(&x_ticks) + 40.0 > X_SPACING {
             x_ticks = x.ticks(pieces(room, widest(&x_ticks) + 60.0));
         }
-        // The last label is centred on its tick and must not be cut off.
-        let overhang =
-            0.5 * x_ticks.last().map_or(0.0, |tick| text::width(&tick.label, SMALL)) + 12.0 - MARGIN - beside;
+        // The last label is centred on its tick and must not be cut off; names stay inside the box.
+        let last = x_ticks.last().filter(|_| x.scale != Scale::Named);
+        let overhang = 0.5 * last.map_or(0.0, |tick| text::width(&tick.label, SMALL)) + 12.0 - MARGIN - beside;
         let width = square.unwrap_or((room - overhang.max(0.0)).floor());
 
         let panel_top = |i: usize| (top + heading + i as f64 * (height + GAP + heading)).floor();
