@@ -5,11 +5,10 @@ use hpf_sim::{AxisTrace, Conditions};
 use super::study::{Study, Variant, constant_force_error};
 use super::words::{Worst, both, value, worst};
 use crate::failure::Failure;
+use crate::render::PAPER_DEVIATION;
 use crate::statistics::Spread;
 use crate::trial::Trial;
 
-/// The deviation that the paper claims for Task 2 [m].
-const PAPER_DEVIATION: f64 = 0.15e-3;
 /// A via point, goal and force that are met this well are met; the paper gives no number [m, m, N].
 const MET: (f64, f64, f64) = (1e-3, 1e-3, 0.2);
 /// A cost of which the last updates take off less than this share of the initial one has settled.
@@ -267,7 +266,7 @@ fn stability(study: &Study) -> Result<Claim, Failure> {
     }
     let seeds = study.seeds.len();
     Ok(Claim {
-        place: "Section 2",
+        place: "Eq. 1, 2",
         says: "the variable admittance is stable: its step response settles",
         ours: format!(
             "stable for every k(t) >= k_min > 0 and d(t) > 0; passive from rest too: {} of {seeds} policies of Task 1, {} of \

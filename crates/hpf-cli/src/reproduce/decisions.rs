@@ -39,7 +39,7 @@ pub fn decisions(beam: &Cantilever) -> Vec<Decision> {
         ("force of Task 1", "with the motion, then against it; no amplitude", "`10 N sin(2 pi t/T)` on both axes"),
         ("weights of the cost", "not given", "in the task files"),
         (
-            "running cost (Eq. 22)",
+            "running cost (Eq. 22 to 24)",
             "a bare sum over steps",
             "an integral over time, so that weights do not change with the rate",
         ),
