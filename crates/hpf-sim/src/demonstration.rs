@@ -18,17 +18,21 @@
 //! weighted regression); Calinon, Sardellitti, Caldwell, IROS 2010, doi 10.1109/IROS.2010.5648931 (stiffness from the
 //! spread of demonstrations).
 
+mod error;
 mod gains;
 mod imitation;
 mod outline;
 mod path;
+mod profile;
 mod signal;
+mod sources;
 mod table;
 
 use crate::task::Unit;
 
+pub use error::ImitationError;
 pub use gains::{DampingFrom, StiffnessFrom};
-pub use imitation::{Fit, Imitated, Imitation, ImitationError};
+pub use imitation::{Fit, Imitated, Imitation};
 pub use outline::{DurationFrom, Outline, ScaleBy};
 pub use signal::Smoothing;
 pub use table::{MAX_MISTAKES, MIN_SAMPLES, Mistake};

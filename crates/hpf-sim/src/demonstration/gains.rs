@@ -70,7 +70,7 @@ pub fn from_spread(paths: &[&[f64]], bounds: Bounds) -> Option<Vec<f64>> {
     };
     let sigma: Vec<f64> = (0..middle.len()).map(deviation).collect();
     let (least, most) = sigma.iter().fold((f64::INFINITY, 0.0), |(a, b), s| (s.min(a), s.max(b)));
-    if !(most - least > LEAST_CONTRAST * most) {
+    if most - least <= LEAST_CONTRAST * most {
         return None;
     }
     Some(sigma.iter().map(|s| bounds.at(1.0 - (s - least) / (most - least))).collect())
@@ -79,7 +79,7 @@ pub fn from_spread(paths: &[&[f64]], bounds: Bounds) -> Option<Vec<f64>> {
 /// Stiffness from envelopes of muscle activity, the mean of the recordings; `None` where there is no activity.
 pub fn from_emg(envelopes: &[&[f64]], bounds: Bounds) -> Option<Vec<f64>> {
     let most = envelopes.iter().copied().flatten().copied().fold(0.0, f64::max);
-    if !(most > 0.0) {
+    if most <= 0.0 {
         return None;
     }
     Some(mean(envelopes.iter().copied()).into_iter().map(|m| bounds.at(m / most)).collect())

@@ -26,8 +26,8 @@ pub fn resample(times: &[f64], values: &[f64], at: impl Iterator<Item = f64>) ->
     let last = times.len() - 1;
     let secant = |i: usize| (values[i + 1] - values[i]) / (times[i + 1] - times[i]);
     let slope = |i: usize| match i {
-        0 => 1.5 * secant(0) - 0.5 * inner_slope(times, &secant, 1),
-        i if i == last => 1.5 * secant(last - 1) - 0.5 * inner_slope(times, &secant, last - 1),
+        0 => 2.0 * secant(0) - inner_slope(times, &secant, 1),
+        i if i == last => 2.0 * secant(last - 1) - inner_slope(times, &secant, last - 1),
         i => inner_slope(times, &secant, i),
     };
     walk(times, at, |i, share| {
