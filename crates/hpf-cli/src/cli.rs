@@ -24,6 +24,7 @@ Examples:
   hpf learn tasks/cantilever.toml                    learn a task, keep everything in runs/cantilever
   hpf learn tasks/via_point.toml --seed 2 --out out  another seed, another place
   hpf run runs/cantilever --rate 1000                run what was learned, at 1000 Hz
+  hpf imitate tasks/demonstrations/wipe.csv          a policy from a recorded motion
   hpf check tasks/reach.toml                         is this task file right?
   hpf export runs/cantilever --format rust           what was learned, for firmware
 
@@ -72,6 +73,9 @@ Examples:
   hpf run runs/cantilever --rate 1000 --set contact.force=12
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
+    /// Make a policy of demonstrations (CSV); keep it as a run, for `run`, `check`, `export` and `learn --from`
+    #[command(after_help = crate::commands::imitate::HELP)]
+    Imitate(crate::commands::imitate::Options),
     /// Draw the plots of a run again, from its tables
     #[command(after_help = "Example:\n  hpf plot runs/cantilever --out figures")]
     Plot(Plot),

@@ -2,6 +2,7 @@
 
 mod check;
 mod export;
+pub mod imitate;
 mod info;
 mod learn;
 mod plot;
@@ -22,6 +23,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     pool.install(|| match &arguments.command {
         Command::Learn(options) => learn::learn(options, common),
         Command::Run(options) => simulate::simulate(options, common),
+        Command::Imitate(options) => imitate::imitate(options, common),
         Command::Plot(options) => plot::plot(options, common),
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),

@@ -14,6 +14,7 @@ mod metrics;
 mod policy;
 mod problem;
 mod simulation;
+mod start;
 pub mod task;
 mod trace;
 
@@ -22,5 +23,6 @@ pub use demonstration::{Demonstration, Imitated, Imitation, ImitationError};
 pub use metrics::Metric;
 pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
 pub use simulation::{Simulation, SimulationError};
+pub use start::StartError;
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};
