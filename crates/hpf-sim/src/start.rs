@@ -64,7 +64,8 @@ impl Policy {
             if mine.unit != wanted.unit {
                 found.push(format!("axis `{name}`: another unit"));
             }
-            let movement = [&mine.movement.centers, &mine.movement.widths, &wanted.movement.centers, &wanted.movement.widths];
+            let movement =
+                [&mine.movement.centers, &mine.movement.widths, &wanted.movement.centers, &wanted.movement.widths];
             let gain = |gain: fn(&crate::AxisPolicy) -> &crate::GainPolicy| {
                 let (mine, wanted) = (gain(mine), gain(wanted));
                 [&mine.centers, &mine.widths, &wanted.centers, &wanted.widths]
@@ -81,7 +82,8 @@ impl Policy {
                 } else if !centers.iter().zip(wanted_centers).all(|(a, b)| is_same(*a, *b)) {
                     found.push(format!("axis `{name}`: other centers of the basis of {primitive}"));
                 } else if !widths.iter().zip(wanted_widths).all(|(a, b)| is_same(*a, *b)) {
-                    found.push(format!("axis `{name}`: other widths of the basis of {primitive}, from another overlap"));
+                    found
+                        .push(format!("axis `{name}`: other widths of the basis of {primitive}, from another overlap"));
                 }
             }
             for (primitive, mine, wanted) in

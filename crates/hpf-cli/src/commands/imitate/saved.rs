@@ -9,10 +9,10 @@ use serde_json::{Map, Value, json};
 use super::Source;
 use crate::directory::Unfinished;
 use crate::failure::Failure;
+use crate::figure;
 use crate::render::{self, number};
 use crate::results::Run;
 use crate::summary::Summary;
-use crate::figure;
 
 /// The unit of an axis in letters.
 pub fn unit(axis: &Axis) -> &'static str {
@@ -103,7 +103,8 @@ impl Account {
         for note in &self.notes {
             let _ = writeln!(text, "note: {note}");
         }
-        let _ = writeln!(text, "\n{:<8} {:>14} {:>14}   {:<14} damping from", "axis", "RMSE", "spread", "stiffness from");
+        let _ =
+            writeln!(text, "\n{:<8} {:>14} {:>14}   {:<14} damping from", "axis", "RMSE", "spread", "stiffness from");
         for axis in &self.axes {
             let unit = if axis.unit == Unit::M { "m" } else { "rad" };
             let _ = writeln!(
