@@ -146,11 +146,12 @@ pub fn locally_weighted(
 /// from rest, in the least-squares sense of its equation of motion.
 ///
 /// Each value is what `tau^2 x'' - alpha (beta (g - x) - tau x')` asks for, with the derivatives of a path sampled
-/// at equal steps of `normalised_dt = dt/tau` taken by central differences at mid-step.
+/// at equal steps of `normalised_dt = dt/tau` taken by central differences at mid-step. The path starts and ends at rest:
+/// beyond its ends it is taken to go back as it came.
 pub fn movement_forcing(positions: &[f64], goal: f64, alpha: f64, normalised_dt: f64) -> Vec<f64> {
-    let last = positions.len().saturating_sub(1);
-    let at = |i: isize| positions[i.clamp(0, last as isize) as usize];
-    (0..last as isize)
+    let last = positions.len().saturating_sub(1) as isize;
+    let at = |i: isize| positions[(last - (last - i.abs()).abs()) as usize];
+    (0..last)
         .map(|i| {
             let middle = 0.5 * (at(i) + at(i + 1));
             let velocity = (at(i + 1) - at(i)) / normalised_dt;

@@ -37,6 +37,16 @@ pub use outline::{DurationFrom, Outline, ScaleBy};
 pub use signal::Smoothing;
 pub use table::{MAX_MISTAKES, MIN_SAMPLES, Mistake};
 
+/// Which recorded path a policy follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Follow {
+    /// Where the tool went.
+    #[default]
+    Position,
+    /// Where it would have been without force: what a policy is that gives way by itself.
+    Reference,
+}
+
 /// One recorded motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Demonstration {
@@ -65,6 +75,13 @@ pub struct RecordedAxis {
     pub force: Option<Vec<f64>>,
     /// Muscle activity, in any unit, rectified or not.
     pub emg: Option<Vec<f64>>,
+}
+
+impl RecordedAxis {
+    /// The path to follow; the position where there is no other.
+    fn path(&self, follow: Follow) -> &[f64] {
+        self.reference.as_ref().filter(|_| follow == Follow::Reference).unwrap_or(&self.position)
+    }
 }
 
 impl Demonstration {

@@ -2,12 +2,12 @@
 
 use hpf_learn::fit;
 
-use super::Demonstration;
 use super::error::ImitationError;
 use super::gains::{DampingFrom, StiffnessFrom};
 use super::path::{Aligned, AlignedAxis, Alignment, Frame, mean};
 use super::profile::Profile;
 use super::signal::{Smoothing, differences};
+use super::{Demonstration, Follow};
 use crate::policy::Policy;
 use crate::task::{MIN_GOAL_DISTANCE, NamedScaling, Scaling, Task, Unit};
 use crate::trace::{AxisTrace, Trace};
@@ -25,6 +25,8 @@ pub enum Fit {
 /// How demonstrations become a policy. SI units, for an axis in rad those of rotation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imitation {
+    /// The path to follow.
+    pub follow: Follow,
     /// How weights are fitted.
     pub fit: Fit,
     /// Penalty on weights of the movement, relative to the square of the forcing scale.
@@ -50,6 +52,7 @@ pub struct Imitation {
 impl Default for Imitation {
     fn default() -> Self {
         Self {
+            follow: Follow::Position,
             fit: Fit::Ridge,
             penalty: 1e-9,
             smoothing: Smoothing::Basis,
@@ -142,8 +145,13 @@ impl Imitation {
         let samples: Vec<f64> = (0..=steps).map(|i| at(i as f64 / steps as f64)).collect();
         let [movement, stiffness, damping] = policy.bases()?;
         let movement = Profile::new(self.fit, &movement, &middle);
-        let alignment =
-            Alignment { steps, basis: task.movement.basis, smoothing: self.smoothing, emg_cut_off: self.emg_cut_off };
+        let alignment = Alignment {
+            steps,
+            follow: self.follow,
+            basis: task.movement.basis,
+            smoothing: self.smoothing,
+            emg_cut_off: self.emg_cut_off,
+        };
         let names = || task.axis.iter().map(|axis| axis.name.as_str());
         let mut work = Work {
             options: self,
@@ -157,6 +165,10 @@ impl Imitation {
         for (a, axis) in policy.axes.iter_mut().enumerate() {
             let (alpha, scale) = (axis.movement.alpha, axis.movement.forcing_scale);
             let target = Frame { start: axis.start, goal: axis.goal, scale };
+            if self.follow == Follow::Reference {
+                let endings = ["reference_m", "reference_rad"];
+                work.signal(a, |axis| axis.reference.as_deref(), endings, "following the reference")?;
+            }
             let frames = work.frames(a, scale)?;
             let refused = |reason| ImitationError::Fit { axis: axis.name.clone(), reason };
             let forcing = work.forcing(a, &frames, alpha);
@@ -210,7 +222,7 @@ impl Work<'_> {
     fn frames(&self, a: usize, scale: f64) -> Result<Vec<Frame>, ImitationError> {
         let by_goal = self.task.movement.scaling == Scaling::Named(NamedScaling::Goal);
         let frame = |(demonstration, axis): (usize, &AlignedAxis)| {
-            let (start, goal) = (axis.position[0], axis.position[axis.position.len() - 1]);
+            let (start, goal) = (axis.path[0], axis.path[axis.path.len() - 1]);
             if by_goal && (goal - start).abs() < MIN_GOAL_DISTANCE {
                 return Err(ImitationError::NoTravel { demonstration, axis: self.name(a) });
             }
@@ -225,7 +237,7 @@ impl Work<'_> {
         let steps = self.task.steps();
         let mut sum = vec![0.0; steps];
         for (axis, frame) in self.axes(a).zip(frames) {
-            let forcing = fit::movement_forcing(&axis.position, frame.goal, alpha, 1.0 / steps as f64);
+            let forcing = fit::movement_forcing(&axis.path, frame.goal, alpha, 1.0 / steps as f64);
             sum.iter_mut().zip(forcing).for_each(|(sum, f)| *sum += frame.scale * f);
         }
         let squares: f64 = frames.iter().map(|frame| frame.scale * frame.scale).sum();
@@ -236,7 +248,7 @@ impl Work<'_> {
     fn note_motion_at_ends(&mut self, a: usize) {
         let mut notes = Vec::new();
         for (number, (recording, axis)) in self.recordings.iter().zip(self.axes(a)).enumerate() {
-            let velocity = differences(&axis.position, recording.dt);
+            let velocity = differences(&axis.path, recording.dt);
             let most = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
             let unit = if self.task.axis[a].unit == Unit::M { "m/s" } else { "rad/s" };
             for (when, speed) in [("begins", velocity[0]), ("ends", velocity[velocity.len() - 1])] {

@@ -2,10 +2,10 @@
 
 use core::fmt::Write as _;
 
-use super::Demonstration;
 use super::path::mean;
 use super::signal::{grid, resample};
-use crate::task::Unit;
+use super::{Demonstration, Follow};
+use crate::task::{MIN_GOAL_DISTANCE, Unit};
 
 /// Where the duration of the policy comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +34,8 @@ pub enum ScaleBy {
 pub struct Outline {
     /// Its name.
     pub name: String,
+    /// The path to follow.
+    pub follow: Follow,
     /// Its duration.
     pub duration: DurationFrom,
     /// Its rate [Hz]; left out, that of the recordings.
@@ -83,7 +85,8 @@ impl Outline {
             if demonstrations.len() == 1 { "a demonstration".into() } else { format!("{count} demonstrations") },
             self.name
         );
-        let paths: Vec<Path> = first.axes.iter().map(|axis| Path::of(demonstrations, &axis.name)).collect();
+        let paths: Vec<Path> =
+            first.axes.iter().map(|axis| Path::of(demonstrations, &axis.name, self.follow)).collect();
         for (axis, path) in first.axes.iter().zip(&paths) {
             let unit = if axis.unit == Unit::M { "m" } else { "rad" };
             let [start, goal] = path.ends;
@@ -93,8 +96,9 @@ impl Outline {
                 axis.name
             );
         }
-        let carries = paths.iter().all(|path| (path.ends[1] - path.ends[0]).abs() >= LEAST_TRAVEL * path.range);
-        let scaling = self.scaling.unwrap_or(if carries { ScaleBy::Goal } else { ScaleBy::Range });
+        let carries =
+            |path: &Path| (path.ends[1] - path.ends[0]).abs() >= (LEAST_TRAVEL * path.range).max(MIN_GOAL_DISTANCE);
+        let scaling = self.scaling.unwrap_or(if paths.iter().all(carries) { ScaleBy::Goal } else { ScaleBy::Range });
         let scaling = match scaling {
             ScaleBy::Goal => "\"goal\"".into(),
             ScaleBy::Unit => "\"unit\"".into(),
@@ -147,15 +151,16 @@ struct Path {
 const STEPS: usize = 1000;
 
 impl Path {
-    fn of(demonstrations: &[Demonstration], name: &str) -> Self {
+    fn of(demonstrations: &[Demonstration], name: &str, follow: Follow) -> Self {
         let (mut range, mut ends, mut paths) = (0.0_f64, [0.0; 2], Vec::new());
         for demonstration in demonstrations {
             let Some(axis) = demonstration.axes.iter().find(|axis| axis.name == name) else { continue };
-            let (low, high) = axis.position.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (x.min(a), x.max(b)));
+            let path = axis.path(follow);
+            let (low, high) = path.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (x.min(a), x.max(b)));
             range = range.max(high - low);
-            ends[0] += axis.position[0];
-            ends[1] += axis.position[axis.position.len() - 1];
-            paths.push(resample(&demonstration.time, &axis.position, grid(STEPS, demonstration.duration())));
+            ends[0] += path[0];
+            ends[1] += path[path.len() - 1];
+            paths.push(resample(&demonstration.time, path, grid(STEPS, demonstration.duration())));
         }
         let ends = ends.map(|sum| sum / paths.len() as f64);
         Self { ends, range, mean: mean(paths.iter().map(Vec::as_slice)) }

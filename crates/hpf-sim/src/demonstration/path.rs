@@ -1,7 +1,7 @@
 //! Recordings brought onto the steps of one policy, in normalised time.
 
 use super::signal::{Smoothing, grid, low_pass, resample, resample_linear};
-use super::{Demonstration, RecordedAxis};
+use super::{Demonstration, Follow, RecordedAxis};
 
 /// A recording at the samples of a policy: steps + 1 numbers per signal.
 pub struct Aligned {
@@ -13,11 +13,13 @@ pub struct Aligned {
 
 /// One axis of it.
 pub struct AlignedAxis {
-    /// Position as recorded [m].
+    /// The path to follow as recorded [m].
     pub recorded: Vec<f64>,
     /// The same, smoothed [m].
+    pub path: Vec<f64>,
+    /// Where the tool went, smoothed [m].
     pub position: Vec<f64>,
-    /// Where the tool would be without force, smoothed alike [m].
+    /// Where it would have been without force, smoothed [m].
     pub reference: Option<Vec<f64>>,
     /// [N/m].
     pub stiffness: Option<Vec<f64>>,
@@ -33,6 +35,8 @@ pub struct AlignedAxis {
 pub struct Alignment {
     /// Steps of the policy.
     pub steps: usize,
+    /// The path to follow.
+    pub follow: Follow,
     /// Basis functions of the movement.
     pub basis: usize,
     /// What is done to positions.
@@ -63,7 +67,7 @@ impl Alignment {
             Smoothing::CutOff(hertz) => hertz * dt,
             Smoothing::Basis => 2.0 * (self.basis - 1) as f64 / own as f64,
         };
-        let path = |values: &[f64]| onto_policy(&low_pass(&resample(time, values, grid(own, duration)), cut_off));
+        let smooth = |values: &[f64]| onto_policy(&low_pass(&resample(time, values, grid(own, duration)), cut_off));
         let profile = |values: &Vec<f64>| resample_linear(time, values, grid(self.steps, duration));
         let envelope = |values: &Vec<f64>| {
             let rectified: Vec<f64> = values.iter().map(|value| value.abs()).collect();
@@ -73,9 +77,10 @@ impl Alignment {
             onto_policy(&smooth).into_iter().map(|value| value.max(0.0)).collect()
         };
         AlignedAxis {
-            recorded: onto_policy(&resample(time, &axis.position, grid(own, duration))),
-            position: path(&axis.position),
-            reference: axis.reference.as_deref().map(path),
+            recorded: onto_policy(&resample(time, axis.path(self.follow), grid(own, duration))),
+            path: smooth(axis.path(self.follow)),
+            position: smooth(&axis.position),
+            reference: axis.reference.as_deref().map(smooth),
             stiffness: axis.stiffness.as_ref().map(profile),
             damping: axis.damping.as_ref().map(profile),
             force: axis.force.as_ref().map(profile),

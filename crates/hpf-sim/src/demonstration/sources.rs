@@ -9,7 +9,7 @@ use crate::task::Unit;
 
 impl Work<'_> {
     /// The signal that `pick` takes of axis `a` in every recording.
-    fn signal<'s>(
+    pub fn signal<'s>(
         &'s self,
         a: usize,
         pick: impl Fn(&'s AlignedAxis) -> Option<&'s [f64]>,
@@ -112,7 +112,7 @@ impl Work<'_> {
                 if self.recordings.len() < 2 {
                     return Err(ImitationError::OneDemonstration);
                 }
-                let paths: Vec<&[f64]> = self.axes(a).map(|axis| axis.position.as_slice()).collect();
+                let paths: Vec<&[f64]> = self.axes(a).map(|axis| axis.path.as_slice()).collect();
                 let reason = "the demonstrations spread alike everywhere, which says nothing about stiffness; \
                               take it from elsewhere, such as constant";
                 all(&gains::from_spread(&paths, bounds).ok_or_else(|| uninformative(reason))?)

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use hpf_sim::demonstration::{DampingFrom, DurationFrom, Fit, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom};
+use hpf_sim::demonstration::{
+    DampingFrom, DurationFrom, Fit, Follow, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom,
+};
 
 /// Examples of `hpf imitate --help`.
 pub const HELP: &str = "\
@@ -11,7 +13,7 @@ Examples:
   hpf imitate tasks/demonstrations/wipe.csv
   hpf imitate tasks/demonstrations/reach_1.csv tasks/demonstrations/reach_2.csv tasks/demonstrations/reach_3.csv --name reach_softly
   hpf imitate tasks/demonstrations/insert_emg.csv --stiffness-max 600 --damping-from ratio --mass 2
-  hpf imitate tasks/demonstrations/push.csv --stiffness-from force
+  hpf imitate tasks/demonstrations/push.csv --stiffness-from force --path reference
   hpf imitate runs/via_point --task tasks/via_point.toml --out runs/again
   hpf learn runs/wipe/task.toml --from runs/wipe --out runs/wipe_learned
 
@@ -34,6 +36,9 @@ pub struct Options {
     /// Override a key of the task, typed as in TOML; lists by position, from 0
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,
+    /// Path that the policy follows: where the tool went, or where it would have been without force
+    #[arg(long, value_enum, default_value = "position", value_name = "PATH")]
+    path: PathKind,
     /// Regression
     #[arg(long, value_enum, default_value = "ridge", value_name = "KIND")]
     fit: FitKind,
@@ -120,6 +125,14 @@ const OF_THE_TASK: [&str; 13] = [
 ];
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+enum PathKind {
+    /// NAME_m or NAME_position_m
+    Position,
+    /// NAME_reference_m
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum FitKind {
     /// All weights at once, with a small penalty
     Ridge,
@@ -188,9 +201,17 @@ fn duration(text: &str) -> Result<DurationFrom, String> {
 }
 
 impl Options {
+    fn follow(&self) -> Follow {
+        match self.path {
+            PathKind::Position => Follow::Position,
+            PathKind::Reference => Follow::Reference,
+        }
+    }
+
     /// How the policy is fitted.
     pub fn imitation(&self) -> Imitation {
         Imitation {
+            follow: self.follow(),
             fit: match self.fit {
                 FitKind::Ridge => Fit::Ridge,
                 FitKind::Lwr => Fit::LocallyWeighted,
@@ -225,6 +246,7 @@ impl Options {
         };
         Outline {
             name,
+            follow: self.follow(),
             duration: self.duration,
             rate: self.rate,
             basis: self.basis,
