@@ -5,6 +5,7 @@ mod check;
 mod continuous;
 mod directory;
 mod export;
+mod imitate;
 mod info;
 mod learn;
 mod plot;

@@ -106,6 +106,9 @@ pub struct Learn {
     /// Task file (TOML)
     #[arg(value_name = "TASK")]
     pub task: PathBuf,
+    /// Policy to start from, such as an imitated one; of the task's axes and bases [default: the bare pull to the goal]
+    #[arg(long, value_name = "POLICY|RUN")]
+    pub from: Option<PathBuf>,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,

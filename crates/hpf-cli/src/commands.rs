@@ -7,6 +7,7 @@ mod info;
 mod learn;
 mod plot;
 mod simulate;
+mod start;
 
 use crate::cli::{Arguments, Command};
 use crate::failure::{Failure, Outcome};
