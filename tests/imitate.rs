@@ -192,16 +192,19 @@ fn a_run_is_imitated_into_its_task() {
     let folder = folder();
     expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
     let reach = task("reach.toml");
-    let imitate =
-        ["imitate", "runs/reach", "--task", &reach, "--path", "reference", "--smooth", "off", "--out", "again"];
-    expect(0, folder.path(), &imitate);
+    // What was learned ends beyond the goal, for the force pushes back: carried to the goal itself, it misses its target.
+    let imitate = ["imitate", "runs/reach", "--task", &reach, "--path", "reference", "--out", "again"];
+    expect(3, folder.path(), &imitate);
     let [first, again] =
         ["runs/reach", "again"].map(|run| Columns::read(folder.path().join(run).join("trajectory.csv")));
-    for (column, bound) in [("x_position_m", 1e-3), ("x_stiffness_n_m", 1e-3), ("x_damping_n_s_m", 1e-3)] {
+    for column in ["x_stiffness_n_m", "x_damping_n_s_m"] {
         let difference = crate::support::largest_difference(&first.column(column), &again.column(column), 1);
-        // Differences over a hundredth of the duration; gains are mixtures of the same functions.
-        assert!(difference < bound, "{column}: {difference}");
+        // Mixtures of the same functions, but for the penalty.
+        assert!(difference < 1e-3, "{column}: {difference}");
     }
+    let summary = json(folder.path().join("again/summary.json"));
+    assert!(axis(&summary, 0)["rmse_m"].as_f64().unwrap() < 1e-4, "{summary}");
+    assert_eq!(json(folder.path().join("again/policy.json"))["axes"][0]["goal"], 0.3, "the task's own");
     let (_, stderr) = expect(2, folder.path(), &["imitate", "runs/reach", "--task", &reach, "--basis", "5"]);
     assert!(stderr.contains("--basis") && stderr.contains("--task"), "{stderr}");
 }
@@ -221,7 +224,7 @@ fn mistakes_are_told_by_file_line_and_column() {
     let (_, stderr) = expect(2, folder.path(), &["imitate", &demonstration("wipe"), "--stiffness-from", "emg"]);
     assert!(stderr.contains("wipe.csv: axis `x` has no column x_emg"), "{stderr}");
     let (_, stderr) = expect(2, folder.path(), &["imitate", &demonstration("wipe"), "--stiffness-min", "500"]);
-    assert!(stderr.contains("`min` is above `max`") || stderr.contains("min"), "{stderr}");
+    assert!(stderr.contains("stiffness.min must not be above stiffness.max"), "{stderr}");
     let (_, stderr) = expect(2, folder.path(), &["imitate", &demonstration("wipe"), "--mass", "0"]);
     assert!(stderr.contains("it must be above 0"), "{stderr}");
     let (_, stderr) = expect(2, folder.path(), &["imitate", "missing.csv"]);
@@ -246,11 +249,14 @@ fn the_same_demonstrations_give_the_same_bytes() {
 }
 
 /// The `hpf` commands of a page, as they are shown.
-fn commands(page: &str) -> Vec<Vec<String>> {
+fn commands(page: &str) -> Vec<(i32, Vec<String>)> {
     let shown = page.lines().filter_map(|line| line.strip_prefix("hpf "));
-    shown
-        .map(|line| line.split('#').next().unwrap_or_default().split_whitespace().map(str::to_owned).collect())
-        .collect()
+    let command = |line: &str| {
+        let (command, comment) = line.split_once('#').unwrap_or((line, ""));
+        let code = if comment.contains("exit code 3") { 3 } else { 0 };
+        (code, command.split_whitespace().map(str::to_owned).collect())
+    };
+    shown.map(command).collect()
 }
 
 #[test]
@@ -267,8 +273,8 @@ fn every_command_of_the_page_on_demonstrations_runs() {
     let page = read(root().join("docs/demonstrations.md"));
     let commands = commands(&page);
     assert!(commands.len() > 8, "{commands:?}");
-    for command in &commands {
+    for (code, command) in &commands {
         let arguments: Vec<&str> = command.iter().map(String::as_str).collect();
-        expect(0, folder.path(), &arguments);
+        expect(*code, folder.path(), &arguments);
     }
 }
