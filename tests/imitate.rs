@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Columns, expect, folder, json, metric, read, root, task};
+use crate::support::{Columns, expect, folder, json, metric, read, task};
 
 #[path = "../crates/hpf-sim/examples/demonstrations.rs"]
 #[allow(dead_code, reason = "the example's main is not the test's")]
@@ -245,36 +245,5 @@ fn the_same_demonstrations_give_the_same_bytes() {
     {
         let bytes = |run: &str| std::fs::read(folder.path().join(run).join(name)).unwrap();
         assert_eq!(bytes("one"), bytes("two"), "{name}");
-    }
-}
-
-/// The `hpf` commands of a page, as they are shown.
-fn commands(page: &str) -> Vec<(i32, Vec<String>)> {
-    let shown = page.lines().filter_map(|line| line.strip_prefix("hpf "));
-    let command = |line: &str| {
-        let (command, comment) = line.split_once('#').unwrap_or((line, ""));
-        let code = if comment.contains("exit code 3") { 3 } else { 0 };
-        (code, command.split_whitespace().map(str::to_owned).collect())
-    };
-    shown.map(command).collect()
-}
-
-#[test]
-fn every_command_of_the_page_on_demonstrations_runs() {
-    let folder = folder();
-    let copy = folder.path().join("tasks/demonstrations");
-    std::fs::create_dir_all(&copy).unwrap();
-    for (name, text) in demonstrations::files() {
-        std::fs::write(copy.join(name), text).unwrap();
-    }
-    for name in ["reach.toml", "via_point.toml"] {
-        std::fs::copy(task(name), folder.path().join("tasks").join(name)).unwrap();
-    }
-    let page = read(root().join("docs/demonstrations.md"));
-    let commands = commands(&page);
-    assert!(commands.len() > 8, "{commands:?}");
-    for (code, command) in &commands {
-        let arguments: Vec<&str> = command.iter().map(String::as_str).collect();
-        expect(*code, folder.path(), &arguments);
     }
 }

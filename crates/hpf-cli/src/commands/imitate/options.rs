@@ -14,8 +14,8 @@ Examples:
   hpf imitate tasks/demonstrations/reach_1.csv tasks/demonstrations/reach_2.csv tasks/demonstrations/reach_3.csv --name reach_softly
   hpf imitate tasks/demonstrations/insert_emg.csv --stiffness-max 600 --damping-from ratio --mass 2
   hpf imitate tasks/demonstrations/push.csv --stiffness-from force --path reference
-  hpf imitate runs/via_point --task tasks/via_point.toml --out runs/again
-  hpf learn runs/wipe/task.toml --from runs/wipe --out runs/wipe_learned
+  hpf imitate tasks/demonstrations/reach_1.csv --task tasks/reach.toml  # misses its target: exit code 3
+  hpf learn runs/wipe/task.toml --from runs/wipe --out runs/wipe_learned --quiet
 
 Columns: time_s; for each axis NAME_m (or NAME_position_m), and if recorded NAME_reference_m, NAME_stiffness_n_m,
 NAME_damping_n_s_m, NAME_force_n (of the environment on the tool), NAME_emg. For an axis in rad: NAME_rad,
