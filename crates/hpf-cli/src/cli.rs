@@ -80,9 +80,9 @@ Examples:
   hpf run runs/cantilever --rate 1000 --set contact.force=12  # misses its targets: exit code 3
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
-    /// Make a policy of demonstrations (CSV); keep it as a run, for `run`, `check`, `export` and `learn --from`
+    /// Make a policy of demonstrations (CSV), kept as a run
     #[command(after_help = crate::commands::imitate::HELP)]
-    Imitate(crate::commands::imitate::Options),
+    Imitate(Box<crate::commands::imitate::Options>),
     /// Draw the plots of a run again, from its tables
     #[command(after_help = "Example:\n  hpf plot runs/cantilever --out figures")]
     Plot(Plot),
