@@ -2,7 +2,7 @@
 //!
 //! They are made, not recorded: each is a formula and a little noise, so that what should come of it is known.
 
-use std::f64::consts::PI;
+use core::f64::consts::PI;
 use std::path::Path;
 
 /// The demonstrations: file name and text.

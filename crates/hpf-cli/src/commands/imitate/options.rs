@@ -11,10 +11,10 @@ use hpf_sim::demonstration::{
 pub const HELP: &str = "\
 Examples:
   hpf imitate tasks/demonstrations/wipe.csv
-  hpf imitate tasks/demonstrations/reach_1.csv tasks/demonstrations/reach_2.csv tasks/demonstrations/reach_3.csv --name reach_softly
+  hpf imitate tasks/demonstrations/reach_*.csv --name reach_softly
   hpf imitate tasks/demonstrations/insert_emg.csv --stiffness-max 600 --damping-from ratio --mass 2
   hpf imitate tasks/demonstrations/push.csv --stiffness-from force --path reference
-  hpf imitate tasks/demonstrations/reach_1.csv --task tasks/reach.toml  # misses its target: exit code 3
+  hpf imitate tasks/demonstrations/reach_1.csv --task tasks/reach.toml  # exit code 3: target missed
   hpf learn runs/wipe/task.toml --from runs/wipe --out runs/wipe_learned --quiet
 
 Columns: time_s; for each axis NAME_m (or NAME_position_m), and if recorded NAME_reference_m, NAME_stiffness_n_m,
