@@ -12,6 +12,7 @@ mod files;
 mod log;
 mod overrides;
 mod progress;
+pub mod readers;
 mod render;
 mod report;
 mod results;

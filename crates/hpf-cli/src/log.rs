@@ -32,7 +32,7 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions};
 use prost::Message;
 
-pub use self::read::summarize;
+pub use self::read::{summarize, summarize_bytes};
 use self::topic::Topic;
 use crate::files::sha256;
 use crate::results::{LearningRow, Run};

@@ -84,7 +84,7 @@ impl Rules<'_, '_, '_> {
         } else if (steps - steps.round()).abs() > 1e-6 * steps {
             let help = "duration times rate is the number of steps and must be a whole number";
             self.say("rate", format!("{product} {steps} steps"), help);
-        } else if steps < 2.0 {
+        } else if steps.round() < 2.0 {
             let help = "duration times rate is the number of steps, at least 2";
             self.say("rate", format!("{product} only 1 step"), help);
         }
