@@ -3,6 +3,8 @@
 //! A function says whether the bytes are accepted. It panics where something fails that must hold whatever the bytes
 //! are: a refusal has a message and a place within the text, and what is accepted survives writing and reading.
 
+use std::sync::LazyLock;
+
 use hpf_core::packed::{Packed, crc32};
 use hpf_sim::task::Task;
 use hpf_sim::{Conditions, Policy, Simulation};
@@ -125,9 +127,8 @@ fn unpack(bytes: &[u8]) -> bool {
 /// A table: the header says which. Trajectories are those of a small task with two axes and a contact.
 pub fn tables(bytes: &[u8]) -> bool {
     let Some(text) = text(bytes) else { return false };
-    let task = Task::parse(TABLE_TASK).expect("the task is valid");
-    if let Ok(trace) = results::read_trajectory(&task, text) {
-        let again = results::read_trajectory(&task, &results::trajectory_csv(&task, &trace));
+    if let Ok(trace) = results::read_trajectory(&TABLE_TASK, text) {
+        let again = results::read_trajectory(&TABLE_TASK, &results::trajectory_csv(&TABLE_TASK, &trace));
         assert_eq!(format!("{trace:?}"), format!("{:?}", again.expect("a trajectory that was read can be read again")));
         return true;
     }
@@ -149,7 +150,9 @@ pub fn tables(bytes: &[u8]) -> bool {
 }
 
 /// The task whose trajectories [`tables`] reads.
-const TABLE_TASK: &str = r#"
+static TABLE_TASK: LazyLock<Task> = LazyLock::new(|| {
+    Task::parse(
+        r#"
 name = "table"
 duration = 1.0
 rate = 4.0
@@ -177,7 +180,10 @@ position = 0.9
 stiffness = 1000.0
 [cost]
 goal = 1.0
-"#;
+"#,
+    )
+    .expect("the task is valid")
+});
 
 /// A log.
 pub fn mcap(bytes: &[u8]) -> bool {
