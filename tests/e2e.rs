@@ -5,9 +5,13 @@ mod check;
 mod continuous;
 mod directory;
 mod export;
+#[path = "../crates/hpf-sim/tests/generator/mod.rs"]
+mod generator;
 mod info;
 mod learn;
 mod plot;
+mod random_tasks;
+mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;
