@@ -306,3 +306,36 @@ fn a_summary_without_its_parts_is_shown_as_far_as_it_goes() {
         try_hpf(folder.path(), &["info", "run"]);
     }
 }
+
+/// Learns under a limit of memory, in bytes; whether it went well.
+#[cfg(unix)]
+fn learns_within(folder: &Path, bytes: f64, keys: &[&str]) -> bool {
+    let line = format!("ulimit -v {}; exec \"$0\" \"$@\"", (bytes / 1024.0) as u64);
+    let mut shell = std::process::Command::new("sh");
+    shell.current_dir(folder).args(["-c", &line, env!("CARGO_BIN_EXE_hpf"), "learn"]).args(keys);
+    // What an allocator sets aside for more threads is not used, yet counts.
+    shell.args(["--quiet", "--force", "--out", "run"]).env("MALLOC_ARENA_MAX", "1");
+    shell.output().is_ok_and(|output| output.status.success())
+}
+
+#[cfg(unix)]
+#[test]
+fn learning_needs_no_more_memory_than_check_says() {
+    let folder = folder();
+    let file = task("via_point.toml");
+    let large = ["--set", "learning.updates=1", "--set", "output={}", "--set", "accept={}", "--threads", "1"];
+    for keys in [
+        &["rate=20000", "learning.method=pi2"][..],
+        &["rate=2000", "learning.preset=paper", "learning.rollouts=40"],
+        &["rate=4000", "learning.method=gauss-newton", "learning.max_rollouts=150"],
+    ] {
+        let mut arguments = vec![file.as_str()];
+        arguments.extend(large);
+        arguments.extend(keys.iter().flat_map(|key| ["--set", key]));
+        let (stdout, _) = expect(0, folder.path(), &[&["check", "--json"], &arguments[..]].concat());
+        let said = serde_json::from_str::<serde_json::Value>(&stdout).unwrap()["memory_bytes"].as_f64().unwrap();
+        assert!(said > 3e8, "{keys:?} is not large: {said}");
+        assert!(learns_within(folder.path(), said, &arguments), "{keys:?} needs more than {said} bytes");
+        assert!(!learns_within(folder.path(), 0.2 * said, &arguments), "{keys:?} needs far less than {said} bytes");
+    }
+}

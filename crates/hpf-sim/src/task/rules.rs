@@ -319,5 +319,5 @@ fn count(number: usize, one: &str, many: &str) -> String {
 
 /// A number without hundreds of noughts.
 fn plain(value: f64) -> String {
-    if value < 1e15 { value.to_string() } else { format!("{value:e}") }
+    if (1e-6..1e15).contains(&value) { value.to_string() } else { format!("{value:e}") }
 }
