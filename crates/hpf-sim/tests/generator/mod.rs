@@ -83,7 +83,7 @@ pub fn task(seed: u64) -> String {
     let dice = &mut Dice::new(seed);
     let axes = dice.whole(1, 7);
     let steps = if dice.chance(0.1) { dice.whole(2, 5) } else { dice.whole(6, 150) };
-    let duration = dice.wide(0.01, 100.0);
+    let duration = dice.wide(1e-3, 1e4);
     let mut text = Text(String::new());
     text.key("name", format!("\"random-{seed}\""));
     text.key("duration", format!("{duration:?}"));
@@ -96,7 +96,7 @@ pub fn task(seed: u64) -> String {
         text.key("unit", if *is_linear { "\"m\"" } else { "\"rad\"" });
         let start = if dice.chance(0.5) { 0.0 } else { dice.within(-3.0, 3.0) };
         let rest = !has_goal_scaling && dice.chance(0.3);
-        let way = if rest { 0.0 } else { dice.wide(1e-4, 10.0) * if dice.chance(0.5) { 1.0 } else { -1.0 } };
+        let way = if rest { 0.0 } else { dice.wide(1e-5, 1e3) * if dice.chance(0.5) { 1.0 } else { -1.0 } };
         text.key("start", format!("{start:?}"));
         text.key("goal", format!("{:?}", start + way));
     }
@@ -116,12 +116,12 @@ pub fn task(seed: u64) -> String {
 
 fn primitives(text: &mut Text, dice: &mut Dice, axes: usize, has_goal_scaling: bool) {
     text.table("[phase]");
-    text.maybe(dice, "decay", |dice| dice.wide(0.01, 50.0));
+    text.maybe(dice, "decay", |dice| dice.wide(1e-3, 100.0));
 
     text.table("[movement]");
     text.maybe(dice, "basis", |dice| dice.whole(2, 30));
-    text.maybe(dice, "overlap", |dice| dice.within(0.01, 0.99));
-    text.maybe(dice, "alpha", |dice| dice.per_axis(axes, |dice| dice.wide(0.1, 500.0)));
+    text.maybe(dice, "overlap", |dice| dice.within(1e-3, 0.999));
+    text.maybe(dice, "alpha", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e5)));
     if !has_goal_scaling {
         let amplitude = format!("{{ amplitude = {} }}", dice.per_axis(axes, |dice| dice.wide(1e-3, 100.0)));
         text.key("scaling", if dice.chance(0.5) { "\"unit\"".into() } else { amplitude });
@@ -129,10 +129,10 @@ fn primitives(text: &mut Text, dice: &mut Dice, axes: usize, has_goal_scaling: b
     text.table("[admittance]");
     text.maybe(dice, "order", |_| 1);
 
-    for (name, lo, hi) in [("[stiffness]", 0.1, 1e5), ("[damping]", 0.1, 1e4)] {
+    for (name, lo, hi) in [("[stiffness]", 1e-3, 1e8), ("[damping]", 1e-3, 1e6)] {
         text.table(name);
         text.maybe(dice, "basis", |dice| dice.whole(2, 30));
-        text.maybe(dice, "overlap", |dice| dice.within(0.01, 0.99));
+        text.maybe(dice, "overlap", |dice| dice.within(1e-3, 0.999));
         let bounds: Vec<[f64; 3]> = (0..axes)
             .map(|_| {
                 let mut bounds = [(); 3].map(|()| dice.wide(lo, hi));
@@ -154,7 +154,7 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
         let kind = dice.one_of(&["sine", "step", "pulse", "ramp"]);
         text.key("kind", format!("\"{kind}\""));
         text.key("axis", format!("\"q{}\"", dice.whole(0, is_linear.len() - 1)));
-        text.key("amplitude", dice.within(-50.0, 50.0));
+        text.key("amplitude", dice.within(-1.0, 1.0) * dice.wide(1.0, 1e4));
         match kind {
             "sine" => {
                 text.key("period", format!("{:?}", duration * dice.wide(0.01, 10.0)));
@@ -181,12 +181,12 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
             text.key("thickness", dice.wide(0.0005, 0.02));
             text.key("youngs_modulus", dice.wide(1e9, 300e9));
             text.key("force", dice.wide(0.1, 100.0));
-            text.maybe(dice, "contact_stiffness", |dice| dice.wide(1e2, 1e8));
+            text.maybe(dice, "contact_stiffness", |dice| dice.wide(1.0, 1e12));
             text.maybe(dice, "travel", |dice| dice.name(&["minimum_jerk", "linear"]));
         } else {
             text.key("kind", "\"wall\"");
             text.key("position", dice.within(-2.0, 2.0));
-            text.key("stiffness", dice.wide(1.0, 1e7));
+            text.key("stiffness", dice.wide(1e-2, 1e12));
             text.maybe(dice, "side", |dice| dice.name(&["above", "below"]));
             text.maybe(dice, "force", |dice| dice.within(0.0, 50.0));
         }
@@ -196,12 +196,12 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
 
 fn cost_and_targets(text: &mut Text, dice: &mut Dice, axes: usize, has_contact: bool, has_via_point: bool) {
     text.table("[cost]");
-    text.key("goal", dice.per_axis(axes, |dice| dice.wide(1e-2, 1e6)));
+    text.key("goal", dice.per_axis(axes, |dice| dice.wide(1e-6, 1e9)));
     for key in ["end_velocity", "acceleration", "stiffness", "damping"] {
         text.maybe(dice, key, |dice| dice.per_axis(axes, |dice| dice.wide(1e-6, 1e4)));
     }
     if has_via_point {
-        text.maybe(dice, "via_point", |dice| dice.per_axis(axes, |dice| dice.wide(1e-2, 1e6)));
+        text.maybe(dice, "via_point", |dice| dice.per_axis(axes, |dice| dice.wide(1e-6, 1e9)));
     }
     if has_contact {
         text.maybe(dice, "tracking", |dice| dice.wide(1e-2, 1e8));
@@ -248,9 +248,9 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     text.maybe(dice, "covariance", |dice| {
         format!("{{ floor = {:?}, ceiling = {:?} }}", dice.wide(1e-3, 1.0), dice.wide(1.0, 100.0))
     });
-    text.maybe(dice, "noise.movement", |dice| dice.per_axis(axes, |dice| dice.wide(1e-2, 1e3)));
-    text.maybe(dice, "noise.stiffness", |dice| dice.per_axis(axes, |dice| dice.wide(1e-2, 1e4)));
-    text.maybe(dice, "noise.damping", |dice| dice.per_axis(axes, |dice| dice.wide(1e-2, 1e4)));
+    text.maybe(dice, "noise.movement", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e6)));
+    text.maybe(dice, "noise.stiffness", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e7)));
+    text.maybe(dice, "noise.damping", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e7)));
     text.table("[output]");
     text.maybe(dice, "snapshots", |dice| format!("[0, {}]", dice.whole(1, updates)));
 }
