@@ -83,7 +83,8 @@ pub fn task(seed: u64) -> String {
     let dice = &mut Dice::new(seed);
     let axes = dice.whole(1, 7);
     let steps = if dice.chance(0.1) { dice.whole(2, 5) } else { dice.whole(6, 150) };
-    let duration = dice.wide(1e-3, 1e4);
+    // No slower than 0.1 Hz: certificates are of forces at most 10 s late.
+    let duration = dice.wide(1e-3, 1e4).min(9.0 * steps as f64);
     let mut text = Text(String::new());
     text.key("name", format!("\"random-{seed}\""));
     text.key("duration", format!("{duration:?}"));
