@@ -86,13 +86,14 @@ pub fn policy(bytes: &[u8]) -> bool {
     assert_eq!(policy, again);
     let rate = 10.0 / policy.duration_s;
     let _ = policy.certify(&Conditions { rate, delay: 1.0 / rate, load: 10.0 });
-    if let Ok(bytes) = export(&policy, Format::Binary, Precision::F64) {
-        let packed = Packed::parse(&bytes).expect("an exported policy can be read");
-        let numbers = bits(&packed.values::<f64>().collect::<Vec<_>>());
-        assert!(bits(&policy.axes[0].movement.weights).iter().all(|weight| numbers.contains(weight)));
-    }
-    for form in [Format::C, Format::Rust] {
+    for format in [Format::Binary, Format::C, Format::Rust] {
+        let form = format.firmware().expect("these forms are for firmware");
         let _ = export(&policy, form, Precision::F32);
+        if let (Format::Binary, Ok(bytes)) = (format, export(&policy, form, Precision::F64)) {
+            let packed = Packed::parse(&bytes).expect("an exported policy can be read");
+            let numbers = bits(&packed.values::<f64>().collect::<Vec<_>>());
+            assert!(bits(&policy.axes[0].movement.weights).iter().all(|weight| numbers.contains(weight)));
+        }
     }
     true
 }
@@ -114,6 +115,7 @@ pub fn packed(bytes: &[u8]) -> bool {
 fn unpack(bytes: &[u8]) -> bool {
     let Ok(packed) = Packed::parse(bytes) else { return false };
     assert_eq!(packed.values::<f64>().count(), packed.head().numbers());
+    assert!(!crate::packed::text(&packed).is_empty() && crate::packed::to_json(&packed).is_object());
     let mut storage = vec![0.0; packed.head().storage()];
     let skills = [
         packed.skill_in::<f64, 1>(&mut storage).is_ok(),
@@ -185,8 +187,13 @@ goal = 1.0
     .expect("the task is valid")
 });
 
-/// A log.
+/// A log: looked into, and what is whole of it rescued.
 pub fn mcap(bytes: &[u8]) -> bool {
+    if let Ok(recovered) = log::recover(bytes) {
+        let rescued = &recovered.bytes;
+        let again = log::summarize_bytes(rescued.as_slice(), rescued.len() as u64).expect("a rescued log is a log");
+        assert_eq!((again.ending, again.messages), (log::Ending::Complete, recovered.messages));
+    }
     match log::summarize_bytes(bytes, bytes.len() as u64) {
         Ok(summary) => {
             let per_topic: u64 = summary.topics.values().map(|topic| topic.messages).sum();
