@@ -134,9 +134,10 @@ impl<T: Real> Transition<T> {
         let dth = normalised_dt;
         let p = alpha * T::of(0.5);
         let u = p * dth;
-        let decay = (-u).exp();
-        // -expm1(-u) - u E keeps the digits that 1 - (1+u) E cancels.
-        let closed = (-(-u).exp_m1() - u * decay) / (p * p);
+        let settled = -(-u).exp_m1();
+        let decay = T::ONE - settled;
+        // 1 - E from expm1 keeps the digits that 1 - (1+u) E cancels.
+        let closed = (settled - u * decay) / (p * p);
         let series = dth * dth * SERIES.iter().rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
         Self {
             position_from_position: decay * (T::ONE + u),

@@ -1,8 +1,10 @@
 //! The scalar that every kernel is written in.
 //!
-//! Exponentials go through `libm` on every build: the standard library calls the platform's own, which differs in
-//! the last bits, and host and firmware must agree. Kernels branch through [`Real::select_below`] only, so that a
+//! Exponentials and the like go through `libm` on every build, those of `f32` through a series of their own: the standard
+//! library calls the platform's, which differs in the last bits, and host and firmware must agree. Kernels branch through [`Real::select_below`] only, so that a
 //! pack of lanes can implement the trait too.
+
+mod single;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -60,7 +62,7 @@ pub trait Real:
 }
 
 macro_rules! impl_real {
-    ($float:ident, $exp:ident, $exp_m1:ident, $ln:ident, $sqrt:ident, $floor:ident) => {
+    ($float:ident, $exp:path, $exp_m1:path, $ln:ident, $sqrt:ident, $floor:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -75,11 +77,11 @@ macro_rules! impl_real {
             }
             #[inline]
             fn exp(self) -> Self {
-                libm::$exp(self)
+                $exp(self)
             }
             #[inline]
             fn exp_m1(self) -> Self {
-                libm::$exp_m1(self)
+                $exp_m1(self)
             }
             #[inline]
             fn ln(self) -> Self {
@@ -122,5 +124,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, expf, expm1f, logf, sqrtf, floorf);
-impl_real!(f64, exp, expm1, log, sqrt, floor);
+impl_real!(f32, single::exp, single::exp_m1, logf, sqrtf, floorf);
+impl_real!(f64, libm::exp, libm::expm1, log, sqrt, floor);
