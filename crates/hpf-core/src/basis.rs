@@ -25,9 +25,9 @@ use crate::{ConfigError, Real, error};
 /// Overlap of neighbours where nothing else is asked for.
 pub const DEFAULT_OVERLAP: f64 = 0.6;
 
-/// A function of the time family that even this often could not change a sum counts as nought: it would cost time, its
-/// powers of u may overflow, and subnormal numbers are slow.
-const NOUGHT_TIMES: f64 = 256.0;
+/// A function of the time family of which this share of the nearest's, at its largest, is lost in rounding counts as
+/// nought: it would cost time, and its powers of u may overflow. The sum is above 2 there.
+const SHARE_THAT_COUNTS: f64 = 0.25;
 
 /// What the functions of a basis are Gaussians of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,7 +132,9 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         let mut reach = 0;
         for (j, slot) in falls.as_mut().iter_mut().enumerate() {
             let fallen = libm::exp(-fall.to_f64() * (j * j) as f64);
-            let counts = (T::ONE + T::of(NOUGHT_TIMES * fallen)).to_f64() > 1.0;
+            // Half way to the next center, where the nearest two are equal.
+            let most = libm::exp(-fall.to_f64() * (j * j.saturating_sub(1)) as f64);
+            let counts = (T::ONE + T::of(SHARE_THAT_COUNTS * most)).to_f64() > 1.0;
             *slot = if counts { T::of(fallen) } else { T::ZERO };
             reach += usize::from(counts);
         }
@@ -216,7 +218,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         };
         let Window { mut first, end, nearest, factor, mut power } = window;
         let mut sum = T::ZERO;
-        let mut block = [[T::ZERO; GROUP]; GROUPS];
+        let mut block = [[s; GROUP]; GROUPS];
         while first < end {
             let stop = end.min(first + GROUP * GROUPS);
             let mut slots = block.as_flattened_mut().iter_mut();
@@ -241,7 +243,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
                     });
                 }
             }
-            slots.take(GROUP - 1).for_each(|slot| *slot = T::ZERO);
+            (1..GROUP).for_each(|_| slots.next().into_iter().for_each(|slot| *slot = T::ZERO));
             take(first, block.get(..(stop - first).div_ceil(GROUP)).unwrap_or_default());
             first = stop;
         }
@@ -358,7 +360,7 @@ fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<T, ConfigError> {
 /// The nearest center k of the time family and the distance to it in spacings.
 #[inline]
 fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
-    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
-    let k = (t + T::of(0.5)).floor();
-    (k.to_index(), t - k)
+    let t = (-s.ln() * spacings).at_least(T::ZERO).at_most(last);
+    let k = (t + T::of(0.5)).to_index();
+    (k, t - T::of(k as f64))
 }

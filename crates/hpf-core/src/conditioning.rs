@@ -29,7 +29,7 @@ use crate::{ConfigError, Real, error};
 /// ```
 #[inline]
 pub fn dead_zone<T: Real>(force: T, width: T) -> T {
-    force - force.max(-width).min(width)
+    force - force.at_least(-width).at_most(width)
 }
 
 /// How a force is conditioned, `D` axes in one frame.

@@ -55,6 +55,17 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
     /// The magnitude.
     fn abs(self) -> Self;
+    /// The smaller of this and a `bound` that is a number; NaN becomes the bound. One comparison, where [`min`](Self::min)
+    /// needs two.
+    #[inline]
+    fn at_most(self, bound: Self) -> Self {
+        self.select_below(bound, self, bound)
+    }
+    /// The larger of this and a `bound` that is a number; NaN becomes the bound.
+    #[inline]
+    fn at_least(self, bound: Self) -> Self {
+        bound.select_below(self, self, bound)
+    }
     /// `below` where `self < bound`, else `otherwise` (also for NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
     /// Whether the value is neither infinite nor NaN.

@@ -16,6 +16,16 @@ const ROUND: f32 = 12_582_912.0;
 /// ln 2 in two parts: times any n the first is exact.
 const LN_2: [f32; 2] = [0.693_359_375, -2.121_944_4e-4];
 
+/// Below this magnitude n is nought.
+const SMALL: f32 = 0.34;
+
+/// `e^r - 1` of a small `r`.
+#[inline]
+fn series(r: f32) -> f32 {
+    let sum = ((((r * (1.0 / 5040.0) + 1.0 / 720.0) * r + 1.0 / 120.0) * r + 1.0 / 24.0) * r + 1.0 / 6.0) * r + 0.5;
+    r + r * r * sum
+}
+
 /// `2^n` and `e^r - 1` of an `x` of at most [`LARGEST`].
 #[inline]
 fn parts(x: f32) -> (f32, f32) {
@@ -24,14 +34,15 @@ fn parts(x: f32) -> (f32, f32) {
     let [high, low] = LN_2;
     let r = x - n * high - n * low;
     let power = f32::from_bits((shifted.to_bits() << 23).wrapping_add(1.0_f32.to_bits()));
-    let series = ((((r * (1.0 / 5040.0) + 1.0 / 720.0) * r + 1.0 / 120.0) * r + 1.0 / 24.0) * r + 1.0 / 6.0) * r + 0.5;
-    (power, r + r * r * series)
+    (power, series(r))
 }
 
 /// `e^x`.
 #[inline]
 pub(super) fn exp(x: f32) -> f32 {
-    if x.abs() <= LARGEST {
+    if x.abs() < SMALL {
+        1.0 + series(x)
+    } else if x.abs() <= LARGEST {
         let (power, rest) = parts(x);
         power * (1.0 + rest)
     } else if x < 0.0 {
@@ -44,7 +55,9 @@ pub(super) fn exp(x: f32) -> f32 {
 /// `e^x - 1`.
 #[inline]
 pub(super) fn exp_m1(x: f32) -> f32 {
-    if x.abs() <= LARGEST {
+    if x.abs() < SMALL {
+        series(x)
+    } else if x.abs() <= LARGEST {
         let (power, rest) = parts(x);
         power * rest + (power - 1.0)
     } else if x < 0.0 {
