@@ -219,7 +219,9 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         } else {
             status.bad_time = true;
         }
-        self.counters.count(&status);
+        if status != Status::default() {
+            self.counters.count(&status);
+        }
         self.last.status = status;
         // In parts: as a whole it is copied by a call on a microcontroller.
         let Output { axes, phase, rate, energy, mode, status } = self.last;
@@ -348,12 +350,10 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         status.bad_force = !good;
         status.force_lost = self.lost_for > timing.hold;
-        if good {
-            let compensated = self.settings.conditioning.compensated(&self.force, self.good_force);
-            status.force_tripped =
-                compensated.iter().zip(&self.settings.axes).any(|(force, axis)| force.abs() > axis.trip_force);
-        }
-        self.settings.conditioning.step(&mut self.force, self.good_force, dt)
+        let compensated = self.settings.conditioning.compensated(&self.force, self.good_force);
+        let mut forces = compensated.iter().zip(&self.settings.axes);
+        status.force_tripped = good && forces.any(|(force, axis)| force.abs() > axis.trip_force);
+        self.settings.conditioning.settle(&mut self.force, compensated, dt)
     }
 
     /// Stops where a force or the robot's distance from the command is too large.
@@ -438,10 +438,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 }
                 Compliance::Rigid | Compliance::Compliant => force,
             };
-            let mass = law.map_or(T::ZERO, |law| law.mass());
-            let stored = |at: OffsetMotion<T>| spring_energy(stiffness, at.offset) + kinetic_energy(mass, at.velocity);
+            let kinetic = |velocity| law.map_or(T::ZERO, |law| kinetic_energy(law.mass(), velocity));
+            let stored = |at: OffsetMotion<T>| spring_energy(stiffness, at.offset) + kinetic(at.velocity);
             let travel = share * state.reference.distance(next);
-            state.reference.go(next, share);
+            if share < T::ONE {
+                state.reference.go(next, share);
+            } else {
+                state.reference = *next;
+            }
 
             let before = state.offset;
             match law {

@@ -68,6 +68,11 @@ pub trait Real:
     }
     /// `below` where `self < bound`, else `otherwise` (also for NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// [`select_below`](Self::select_below) of which a single number computes the chosen value only.
+    #[inline]
+    fn choose_below(self, bound: Self, below: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        self.select_below(bound, below(), otherwise())
+    }
     /// Whether the value is neither infinite nor NaN.
     fn is_finite(self) -> bool;
 }
@@ -126,6 +131,10 @@ macro_rules! impl_real {
             #[inline]
             fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self {
                 if self < bound { below } else { otherwise }
+            }
+            #[inline]
+            fn choose_below(self, bound: Self, below: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+                if self < bound { below() } else { otherwise() }
             }
             #[inline]
             fn is_finite(self) -> bool {
