@@ -2,8 +2,8 @@
 
 mod support;
 
-use hpf_core::admittance::step_offset;
 use hpf_core::Real;
+use hpf_core::admittance::step_offset;
 use hpf_core::controller::{Compliance, Controller, Damping, Event, Law, Mode, Output, Request, Settings};
 use hpf_core::passivity::EnergyTank;
 use support::{DT, Family, Rig, skill};
