@@ -13,7 +13,7 @@
 use rayon::prelude::*;
 
 use crate::{
-    Anneal, Cost, Covariance, GaussNewton, GaussNewtonOptions, History, LearnError, Parameters, Pi2, Pi2Options,
+    Anneal, Cost, Covariance, Draws, GaussNewton, GaussNewtonOptions, History, LearnError, Parameters, Pi2, Pi2Options,
     Problem, Progress, Settled, SignalGroup, SignalModel, Stop, Temperature,
 };
 
@@ -185,7 +185,7 @@ fn roll_out<P: Problem>(problem: &P, samples: &[Vec<f64>], source: Source) -> Ve
     outcomes.par_iter_mut().zip(samples).for_each_init(
         || problem.workspace(),
         |workspace, ((cost, signals), sample)| {
-            problem.measure(Parameters::Constant(sample), workspace, cost, signals);
+            problem.measure(Draws::Update(0), Parameters::Constant(sample), workspace, cost, signals);
             if source == Source::CostRoots {
                 signals.clear();
                 signals.extend(cost.running.iter().chain([&cost.terminal]).map(|cost| (2.0 * cost).sqrt()));

@@ -1,9 +1,8 @@
 //! The loop around a learner: ask, roll out in parallel, tell, look at what was learned, keep the best.
 
-use rayon::prelude::*;
-
+use crate::rollouts::roll_out;
 use crate::{
-    AutoOptions, Cost, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
+    AutoOptions, Cost, Draws, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
 };
 
 /// A way to learn.
@@ -126,7 +125,7 @@ pub fn learn<P: Problem>(
     let mut workspace = problem.workspace();
     let mut evaluate = |learner: &Pi2, rollouts: usize, exploration: f64| {
         let mut cost = Cost::default();
-        problem.rollout(Parameters::Constant(learner.weights()), &mut workspace, &mut cost);
+        problem.rollout(Draws::HeldOut, Parameters::Constant(learner.weights()), &mut workspace, &mut cost);
         Progress {
             update: learner.update(),
             rollouts,
@@ -163,10 +162,8 @@ pub fn learn<P: Problem>(
         }
         let exploration = learner.exploration();
         let batch = learner.ask();
-        costs.par_iter_mut().enumerate().for_each_init(
-            || problem.workspace(),
-            |workspace, (k, cost)| problem.rollout(batch.sample(k), workspace, cost),
-        );
+        let samples: Vec<Parameters<'_>> = (0..batch.len()).map(|k| batch.sample(k)).collect();
+        roll_out(problem, Draws::Update(learner.update()), &samples, &mut costs);
         match learner.tell(&batch, &costs) {
             Ok(rejected) => history.rejected += rejected,
             Err(reason) => {

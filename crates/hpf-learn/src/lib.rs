@@ -17,6 +17,7 @@ mod noise;
 mod pi2;
 mod problem;
 mod response;
+mod rollouts;
 mod weighting;
 
 pub use auto::{AutoOptions, Note};
@@ -25,5 +26,5 @@ pub use drive::{History, LearnError, Method, Progress, Stop, learn, learn_with};
 pub use gauss_newton::{GaussNewton, GaussNewtonOptions, Settled};
 pub use noise::{Anneal, Exploration};
 pub use pi2::{Batch, Credit, Pi2, Pi2Error, Pi2Options};
-pub use problem::{Block, Cost, Parameters, Problem, SignalGroup, SignalModel};
+pub use problem::{Block, Cost, Draws, Parameters, Problem, SignalGroup, SignalModel};
 pub use weighting::Temperature;

@@ -89,6 +89,18 @@ pub struct SignalGroup {
     pub signals: Range<usize>,
 }
 
+/// Which random circumstances a rollout meets, where a problem has any.
+///
+/// Rollouts that are compared meet the same (common random numbers), so that their costs differ by their parameters
+/// alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draws {
+    /// Those of an update, from 0: the same for all its rollouts.
+    Update(usize),
+    /// Those held back for evaluation: learning never sees them.
+    HeldOut,
+}
+
 /// Something whose parameters can be learned: a simulator, a robot.
 pub trait Problem: Sync {
     /// What one rollout works in, made once per thread and reused.
@@ -106,8 +118,31 @@ pub trait Problem: Sync {
     /// A workspace for rollouts.
     fn workspace(&self) -> Self::Workspace;
 
-    /// Makes one rollout and writes what it cost. A rollout that failed costs NaN or infinity.
-    fn rollout(&self, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
+    /// Motions that one rollout takes: one per draw of its circumstances.
+    fn motions(&self) -> usize {
+        1
+    }
+
+    /// Makes one rollout and writes what it cost, the mean over `draws`. A rollout that failed costs NaN or infinity.
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
+
+    /// How many rollouts one call of [`Problem::rollouts`] likes best.
+    fn together(&self) -> usize {
+        1
+    }
+
+    /// Makes a rollout of each of `parameters` and writes what it cost: the same numbers as one by one.
+    fn rollouts(
+        &self,
+        draws: Draws,
+        parameters: &[Parameters<'_>],
+        workspace: &mut Self::Workspace,
+        costs: &mut [Cost],
+    ) {
+        for (parameters, cost) in parameters.iter().zip(costs) {
+            self.rollout(draws, *parameters, workspace, cost);
+        }
+    }
 
     /// How the cost is a sum of squares of signals; `None` where a rollout measures none.
     fn signals(&self) -> Option<&SignalModel> {
@@ -117,12 +152,13 @@ pub trait Problem: Sync {
     /// Makes one rollout as [`Problem::rollout`] does and writes the signals it measured, none where there are none.
     fn measure(
         &self,
+        draws: Draws,
         parameters: Parameters<'_>,
         workspace: &mut Self::Workspace,
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        self.rollout(parameters, workspace, cost);
+        self.rollout(draws, parameters, workspace, cost);
         signals.clear();
     }
 }

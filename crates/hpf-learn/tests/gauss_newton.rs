@@ -3,7 +3,7 @@
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
-    AutoOptions, Block, Cost, GaussNewton, GaussNewtonOptions, History, LearnError, Method, Note, Parameters,
+    AutoOptions, Block, Cost, Draws, GaussNewton, GaussNewtonOptions, History, LearnError, Method, Note, Parameters,
     Pi2Options, Problem, Settled, SignalGroup, SignalModel, Stop, learn_with,
 };
 
@@ -105,7 +105,7 @@ impl Problem for Toy {
 
     fn workspace(&self) {}
 
-    fn rollout(&self, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost) {
+    fn rollout(&self, _: Draws, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost) {
         self.made.fetch_add(1, Ordering::SeqCst);
         let w = parameters.at(0);
         let rho = self.signals_at(w);
@@ -119,8 +119,8 @@ impl Problem for Toy {
         self.model.as_ref()
     }
 
-    fn measure(&self, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost, signals: &mut Vec<f64>) {
-        self.rollout(parameters, &mut (), cost);
+    fn measure(&self, draws: Draws, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost, signals: &mut Vec<f64>) {
+        self.rollout(draws, parameters, &mut (), cost);
         *signals = self.signals_at(parameters.at(0));
     }
 }

@@ -6,8 +6,8 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use block::{FREE, block};
 use hpf_learn::{
-    Anneal, Block, Cost, Credit, Exploration, History, LearnError, Parameters, Pi2Error, Pi2Options, Problem, Stop,
-    Temperature, learn,
+    Anneal, Block, Cost, Credit, Draws, Exploration, History, LearnError, Parameters, Pi2Error, Pi2Options, Problem,
+    Stop, Temperature, learn,
 };
 
 const STEPS: usize = 40;
@@ -59,7 +59,7 @@ impl Problem for Bowl {
 
     fn workspace(&self) {}
 
-    fn rollout(&self, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost) {
+    fn rollout(&self, _: Draws, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost) {
         let number = self.made.fetch_add(1, Ordering::SeqCst) + 1;
         cost.running.clear();
         for t in 0..STEPS {
@@ -182,7 +182,7 @@ fn the_best_is_the_cheapest_evaluation_seen() {
     assert!(seen.contains(&history.best));
     assert!(seen.windows(2).any(|pair| pair[1].total > pair[0].total), "some update made it worse");
     let mut again = Cost::default();
-    bowl.rollout(Parameters::Constant(&history.best.weights), &mut (), &mut again);
+    bowl.rollout(Draws::HeldOut, Parameters::Constant(&history.best.weights), &mut (), &mut again);
     assert_eq!((again.total(), &again.terms), (history.best.total, &history.best.terms));
     assert!((history.best.terms[0] - history.best.total).abs() < 1e-15);
 }

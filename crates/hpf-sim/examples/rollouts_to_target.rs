@@ -5,7 +5,7 @@
 use core::sync::atomic::{AtomicU64, Ordering};
 
 use hpf_learn::{
-    AutoOptions, Block, Cost, GaussNewtonOptions, History, LearnError, Method, Parameters, Pi2Options, Problem,
+    AutoOptions, Block, Cost, Draws, GaussNewtonOptions, History, LearnError, Method, Parameters, Pi2Options, Problem,
     SignalModel, learn_with,
 };
 use hpf_sim::{Policy, Simulation, Task, Trace};
@@ -64,16 +64,23 @@ impl Problem for View<'_> {
         self.simulation.workspace()
     }
 
-    fn rollout(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
-        Problem::rollout(self.simulation, parameters, trace, cost);
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
+        Problem::rollout(self.simulation, draws, parameters, trace, cost);
     }
 
     fn signals(&self) -> Option<&SignalModel> {
         if self.seen == Seen::CostsOnly { None } else { self.simulation.signals() }
     }
 
-    fn measure(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost, signals: &mut Vec<f64>) {
-        self.simulation.measure(parameters, trace, cost, signals);
+    fn measure(
+        &self,
+        draws: Draws,
+        parameters: Parameters<'_>,
+        trace: &mut Trace,
+        cost: &mut Cost,
+        signals: &mut Vec<f64>,
+    ) {
+        self.simulation.measure(draws, parameters, trace, cost, signals);
         if let Seen::Noisy(deviation) = self.seen {
             // One thread makes the rollouts of a view with noise, so the count is the same in every run.
             let stream = self.rollouts.fetch_add(1, Ordering::Relaxed) << 32;

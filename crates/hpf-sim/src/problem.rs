@@ -1,7 +1,7 @@
 //! A simulation as something to learn.
 
 use hpf_learn::{
-    Anneal, AutoOptions, Block, Cost, Covariance, Credit, Exploration, GaussNewtonOptions, Method, Parameters,
+    Anneal, AutoOptions, Block, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters,
     Pi2Options, Problem, SignalModel, Temperature, fit,
 };
 
@@ -30,7 +30,7 @@ impl Problem for Simulation {
         self.blank_trace()
     }
 
-    fn rollout(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
+    fn rollout(&self, _: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
         self.rollout_into(parameters, trace);
         self.cost_into(trace, cost);
     }
@@ -39,8 +39,15 @@ impl Problem for Simulation {
         Some(&self.signals)
     }
 
-    fn measure(&self, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost, signals: &mut Vec<f64>) {
-        Problem::rollout(self, parameters, trace, cost);
+    fn measure(
+        &self,
+        draws: Draws,
+        parameters: Parameters<'_>,
+        trace: &mut Trace,
+        cost: &mut Cost,
+        signals: &mut Vec<f64>,
+    ) {
+        Problem::rollout(self, draws, parameters, trace, cost);
         self.signals_into(trace, signals);
     }
 }

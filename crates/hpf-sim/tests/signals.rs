@@ -1,8 +1,8 @@
 //! The signals of a rollout: their squares are its cost, term by term nothing left out.
 
 use hpf_learn::{
-    AutoOptions, Cost, Covariance, Credit, Exploration, GaussNewtonOptions, Method, Parameters, Pi2Options, Problem,
-    Settled, Stop, Temperature, learn_with,
+    AutoOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters, Pi2Options,
+    Problem, Settled, Stop, Temperature, learn_with,
 };
 use hpf_sim::{Policy, Simulation, Task};
 
@@ -38,7 +38,7 @@ fn squares_of_the_signals_and_the_price_of_the_weights_are_the_cost() {
                 }
             }
             let (mut cost, mut signals) = (Cost::default(), Vec::new());
-            simulation.measure(Parameters::Constant(&weights), &mut trace, &mut cost, &mut signals);
+            simulation.measure(Draws::HeldOut, Parameters::Constant(&weights), &mut trace, &mut cost, &mut signals);
             let mut total = 0.5 * signals.iter().map(|rho| rho * rho).sum::<f64>();
             start = 0;
             for (block, price) in simulation.blocks().iter().zip(&model.price) {
@@ -64,7 +64,13 @@ fn an_axis_answers_for_its_own_signals() {
     let model = simulation.signals().unwrap();
     let measured = |weights: &[f64]| {
         let (mut cost, mut signals) = (Cost::default(), Vec::new());
-        simulation.measure(Parameters::Constant(weights), &mut simulation.workspace(), &mut cost, &mut signals);
+        simulation.measure(
+            Draws::HeldOut,
+            Parameters::Constant(weights),
+            &mut simulation.workspace(),
+            &mut cost,
+            &mut signals,
+        );
         signals
     };
     let before = measured(&policy.weights());
