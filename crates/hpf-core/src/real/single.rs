@@ -14,7 +14,7 @@ const LARGEST: f32 = 87.0;
 const ROUND: f32 = 12_582_912.0;
 
 /// ln 2 in two parts: times any n the first is exact.
-const LN_2: [f32; 2] = [0.693_359_375, -2.121_944_4e-4];
+const LN_2: [f32; 2] = [355.0 / 512.0, -2.121_944_4e-4];
 
 /// Below this magnitude n is nought.
 const SMALL: f32 = 0.34;
