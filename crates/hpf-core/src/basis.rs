@@ -218,6 +218,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         };
         let Window { mut first, end, nearest, factor, mut power } = window;
         let mut sum = T::ZERO;
+        // Any number will do; nought takes a call on a microcontroller.
         let mut block = [[s; GROUP]; GROUPS];
         while first < end {
             let stop = end.min(first + GROUP * GROUPS);
