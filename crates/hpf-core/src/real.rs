@@ -2,8 +2,7 @@
 //!
 //! Exponentials and the like go through `libm` on every build, those of `f32` through a series of their own: the standard
 //! library calls the platform's, which differs in the last bits, and host and firmware must agree. Kernels branch through
-//! [`Real::select_below`] and its kin only, so that a
-//! pack of lanes can implement the trait too.
+//! [`Real::select_below`] and its kin only, so that a pack of lanes can implement the trait too.
 
 mod single;
 
