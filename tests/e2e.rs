@@ -6,6 +6,8 @@ mod continuous;
 mod directory;
 mod docs_commands;
 mod export;
+#[path = "../crates/hpf-sim/tests/generator/mod.rs"]
+mod generator;
 mod imitate;
 mod info;
 mod init;
@@ -13,7 +15,9 @@ mod layouts;
 mod learn;
 mod options;
 mod plot;
+mod random_tasks;
 mod recover;
+mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;

@@ -356,7 +356,7 @@ fn what_is_missing_is_named() {
         (StiffnessFrom::Spread, "stiffness from spread needs at least two demonstrations, there is one"),
     ];
     for (source, message) in cases {
-        assert_eq!(refused(stiffness(source), std::slice::from_ref(&one)), message);
+        assert_eq!(refused(stiffness(source), core::slice::from_ref(&one)), message);
     }
     let twice = refused(stiffness(StiffnessFrom::Spread), &[one.clone(), one.clone()]);
     assert!(twice.contains("spread alike everywhere"), "{twice}");
@@ -367,7 +367,7 @@ fn what_is_missing_is_named() {
     still.axes[0].reference = None;
     assert!(refused(stiffness(StiffnessFrom::Force), &[still]).contains("x_reference_m"));
     let reference =
-        refused(Imitation { follow: Follow::Reference, ..Imitation::default() }, std::slice::from_ref(&one));
+        refused(Imitation { follow: Follow::Reference, ..Imitation::default() }, core::slice::from_ref(&one));
     assert!(reference.contains("x_reference_m"), "{reference}");
     let few = demonstration(10, 2.0, |t| 0.3 * minimum_jerk(t));
     assert_eq!(
@@ -381,7 +381,7 @@ fn what_is_missing_is_named() {
     assert_eq!(error.to_string(), "it moves the axes y [m], x [m] are wanted");
     let there_and_back = demonstration(100, 2.0, |t| 0.1 * (PI * t).sin().powi(2));
     let goal = Outline { scaling: Some(ScaleBy::Goal), ..outline() };
-    let text = goal.write(std::slice::from_ref(&there_and_back));
+    let text = goal.write(core::slice::from_ref(&there_and_back));
     assert!(Task::parse(&text).unwrap_err()[0].message.contains("goal scaling"));
     let forth = task(&outline(), &[demonstration(100, 2.0, minimum_jerk)]);
     let error = Imitation::default().of(&[there_and_back], &forth).unwrap_err();

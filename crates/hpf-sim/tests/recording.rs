@@ -84,6 +84,7 @@ fn rows_are_refused_by_line_and_column() {
     rows("0,0\n1\n2,2,2\n3,3\n4,4\n", &["4: 1 values for the 2 columns", "5: 3 values for the 2 columns"]);
     rows("0,0\n1,1\n2,2\n3,3\n", &["6: 4 samples; at least 5 and at most 1000001 are needed"]);
     rows("", &["2: 0 samples"]);
+    rows("0,0\n# a pause\n\n1,bad\n2,2\n3,3\n4,4\n", &["6: column `x_m`: `bad` is no number"]);
     let stiffness = "time_s,x_m,x_stiffness_n_m\n0,0,100\n1,1,0\n2,2,-3\n3,3,1\n4,4,1\n";
     refused(stiffness, &["3: column `x_stiffness_n_m`: must be above 0, not 0", "4: column `x_stiffness_n_m`: must"]);
 }

@@ -115,7 +115,15 @@ impl Demonstration {
             .flexible(true)
             .from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| whole(&error.to_string()))?.clone();
-        let line = header.position().map_or(1, csv::Position::line);
+        // The reader counts from where it began to look for a row: comments and empty lines come before it.
+        let lines: Vec<&str> = text.lines().collect();
+        let line_of = |position: Option<&csv::Position>| {
+            let from = position.map_or(1, csv::Position::line);
+            let is_row = |line: &&&str| !line.trim().is_empty() && !line.starts_with('#');
+            let before = lines.iter().skip(from as usize - 1).position(|line| is_row(&line));
+            from + before.unwrap_or_default() as u64
+        };
+        let line = line_of(header.position());
         let names: Vec<&str> = header.iter().collect();
         let columns = columns(&names).map_err(|found| {
             let place = |(column, message)| Mistake { line, column, message };
@@ -127,7 +135,7 @@ impl Demonstration {
         let mut last = line;
         for record in reader.records() {
             let record = record.map_err(|error| whole(&error.to_string()))?;
-            last = record.position().map_or(last, csv::Position::line);
+            last = line_of(record.position());
             if record.len() != names.len() {
                 let message = format!("{} values for the {} columns of the header", record.len(), names.len());
                 mistakes.push(Mistake { line: last, column: None, message });
