@@ -8,6 +8,7 @@ mod docs_commands;
 mod export;
 #[path = "../crates/hpf-sim/tests/generator/mod.rs"]
 mod generator;
+mod imitate;
 mod info;
 mod init;
 mod layouts;

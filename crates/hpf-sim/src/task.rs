@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::environment::{Contact, Disturbance};
 
+pub(crate) use keys::nearest;
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
     TemperatureKind,
