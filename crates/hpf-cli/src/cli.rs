@@ -30,6 +30,7 @@ Examples:
   hpf learn tasks/cantilever.toml --seed 2 --out out # another seed, another place
   hpf info runs/cantilever out                       # both side by side
   hpf run runs/cantilever --rate 1000                # run what was learned, at 1000 Hz
+  hpf imitate tasks/demonstrations/wipe.csv          # a policy from a recorded motion
   hpf export runs/cantilever --format rust           # what was learned, for firmware
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
@@ -64,10 +65,9 @@ Writes to runs/reproduction, or --out: figure_02_... to figure_12_..., claims.md
 seed, and the runs of the first seed. Seeds count up from --seed [default: 1]. --check and --update compare or replace what \
 stands in a page between its two marks, and write nothing else. Exit code 1 where the page is not current.";
 
-/// Options accepted before and after the command. One that means nothing to a command is refused by
-/// [`crate::commands::run`].
+/// Options accepted before and after the command.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Common options, refused where they mean nothing")]
+#[command(next_help_heading = "Common options")]
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
@@ -110,7 +110,10 @@ Examples:
   hpf run runs/cantilever --rate 1000 --set contact.force=12  # misses its targets: exit code 3
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
-    /// Draw the figures of a run again, or of several runs together, from their tables
+    /// Make a policy of demonstrations (CSV), kept as a run
+    #[command(after_help = crate::commands::imitate::HELP)]
+    Imitate(Box<crate::commands::imitate::Options>),
+    /// Draw the figures of a run again, or of several together
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(Plot),
     /// Check a task or policy and say what it comes to; a policy with its certificates
@@ -132,10 +135,10 @@ Examples:
 
 Without --out: policy.rs, policy.h, policy.bin or ros2.mcap beside the policy.")]
     Export(Export),
-    /// Learn a task with several seeds and settings, several at once; compare what was learned
+    /// Learn a task with several seeds and settings, and compare
     #[command(after_help = SWEEP_EXAMPLES)]
     Sweep(Sweep),
-    /// Draw every figure of the paper, and set its claims beside what comes out here
+    /// Draw every figure of the paper, and check its claims
     #[command(after_help = REPRODUCE_EXAMPLES)]
     Reproduce(Reproduce),
     /// Say what is in a run, task, policy or MCAP log; several runs side by side
@@ -195,6 +198,9 @@ pub struct Learn {
     /// Task file (TOML)
     #[arg(value_name = "TASK")]
     pub task: PathBuf,
+    /// Policy to start from, such as an imitated one; of the task's axes and bases [default: the bare pull to the goal]
+    #[arg(long, value_name = "POLICY|RUN")]
+    pub from: Option<PathBuf>,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,

@@ -9,6 +9,7 @@ mod canvas;
 mod chart;
 mod contact;
 mod cost;
+mod demonstration;
 mod distribution;
 mod ends;
 mod gain;
@@ -125,6 +126,22 @@ pub fn draw(figures: &[Drawing<'_>], subject: &str, format: Format, folder: &Pat
 /// As [`draw`].
 pub fn draw_into(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
     for name in draw(&figures(run), &run.task.name, Format::Png, &folder.path("plots"))? {
+        folder.written(&format!("plots/{name}"));
+    }
+    Ok(())
+}
+
+/// Draws the demonstrations that the policy of `run` imitates into `plots/`, each by axis at the samples of the run.
+///
+/// # Errors
+/// As [`draw`].
+pub fn draw_demonstrations(
+    run: &Run,
+    demonstrations: &[Vec<Vec<f64>>],
+    folder: &mut Unfinished,
+) -> Result<(), Failure> {
+    let drawing = Drawing::new("demonstration", || demonstration::positions(run, demonstrations));
+    for name in draw(&[drawing], &run.task.name, Format::Png, &folder.path("plots"))? {
         folder.written(&format!("plots/{name}"));
     }
     Ok(())
