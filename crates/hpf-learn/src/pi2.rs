@@ -222,6 +222,13 @@ impl Pi2 {
         self
     }
 
+    /// Takes the place of a learner that had made `update` updates.
+    pub(crate) fn restore(&mut self, update: usize, weights: &[f64], spread: &[f64]) {
+        self.update = update;
+        self.weights.copy_from_slice(weights);
+        self.spread.copy_from_slice(spread);
+    }
+
     /// Updates made so far.
     pub fn update(&self) -> usize {
         self.update

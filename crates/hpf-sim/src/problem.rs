@@ -1,7 +1,7 @@
 //! A simulation as something to learn.
 
 use hpf_learn::{
-    Anneal, AutoOptions, Block, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters,
+    Anneal, AutoOptions, Block, CmaEsOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters,
     Pi2Options, Problem, SignalModel, Temperature, fit,
 };
 
@@ -61,6 +61,9 @@ impl Learning {
             task::Method::GaussNewton => Method::GaussNewton(signals),
             task::Method::Auto => {
                 Method::Auto(AutoOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
+            }
+            task::Method::CmaEs => {
+                Method::CmaEs(CmaEsOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
             }
         }
     }

@@ -81,6 +81,10 @@ pub enum Method {
     /// Signals where the environment has them, else the costs of the steps, then PI2; the keys of `gauss-newton`.
     #[serde(rename = "auto")]
     Auto,
+    /// Evolution by covariance matrix adaptation, on the total cost: the keys of `gauss-newton`, `noise` being the
+    /// standard deviations at the first update and `rollouts` the size of the population.
+    #[serde(rename = "cma-es")]
+    CmaEs,
 }
 
 impl Method {
@@ -90,6 +94,7 @@ impl Method {
             Self::Pi2 => "pi2",
             Self::GaussNewton => "gauss-newton",
             Self::Auto => "auto",
+            Self::CmaEs => "cma-es",
         }
     }
 }
