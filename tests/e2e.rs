@@ -6,8 +6,10 @@ mod continuous;
 mod directory;
 mod export;
 mod info;
+mod kill;
 mod learn;
 mod plot;
+mod resume;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;

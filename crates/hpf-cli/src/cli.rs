@@ -63,7 +63,8 @@ pub enum Command {
 Examples:
   hpf learn tasks/cantilever.toml
   hpf learn tasks/via_point.toml --set 'via_point.0.position=[0.5,0.9]' --out runs/elsewhere
-  hpf learn tasks/reach.toml --set learning.updates=300 --json")]
+  hpf learn tasks/reach.toml --set learning.updates=300 --json
+  hpf learn --resume runs/cantilever")]
     Learn(Learn),
     /// Simulate a learned policy, also at another rate or in another environment
     #[command(after_help = "\
@@ -100,11 +101,14 @@ Examples:
 #[derive(Args, Debug)]
 pub struct Learn {
     /// Task file (TOML)
-    #[arg(value_name = "TASK")]
-    pub task: PathBuf,
+    #[arg(value_name = "TASK", required_unless_present = "resume")]
+    pub task: Option<PathBuf>,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
-    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    #[arg(long, value_name = "KEY.PATH=VALUE", conflicts_with = "resume")]
     pub set: Vec<String>,
+    /// Go on with a run that was killed or interrupted, to the same results as if it had not been
+    #[arg(long, value_name = "RUN", conflicts_with = "task")]
+    pub resume: Option<PathBuf>,
 }
 
 /// `hpf run`

@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod cli;
 mod commands;
 mod directory;
@@ -9,6 +10,7 @@ mod export;
 mod failure;
 mod figure;
 mod files;
+mod learning;
 mod log;
 mod overrides;
 mod progress;
