@@ -9,6 +9,7 @@ mod info;
 mod kill;
 mod learn;
 mod plot;
+mod process;
 mod resume;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]

@@ -1,6 +1,5 @@
 //! `kill -9` at any moment of `hpf learn`.
 
-use core::time::Duration;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;

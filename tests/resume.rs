@@ -24,7 +24,7 @@ const LONG: [&str; 8] = [
 fn interrupted(folder: &Path, out: &str) -> String {
     let cantilever = task("cantilever.toml");
     let arguments = [&["learn", &cantilever, "--out", out], &LONG[..]].concat();
-    let mut child = command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let child = command(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let started = Instant::now();
     let checkpoint = folder.join(format!("{out}.partial/checkpoint"));
     while fs::metadata(&checkpoint).map_or(0, |file| file.len()) < 50_000 {
@@ -42,7 +42,11 @@ fn copy(from: &Path, to: &Path) {
     for entry in fs::read_dir(from).unwrap() {
         let path = entry.unwrap().path();
         let target = to.join(path.file_name().unwrap());
-        if path.is_dir() { copy(&path, &target) } else { drop(fs::copy(&path, &target).unwrap()) }
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            fs::copy(&path, &target).unwrap();
+        }
     }
 }
 

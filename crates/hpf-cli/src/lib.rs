@@ -13,6 +13,7 @@ mod files;
 mod learning;
 mod log;
 mod overrides;
+mod process;
 mod progress;
 mod render;
 mod report;

@@ -6,6 +6,7 @@
 
 mod keys;
 mod learning;
+mod process;
 mod rules;
 
 use core::ops::Range;
@@ -19,6 +20,8 @@ pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
     TemperatureKind,
 };
+
+pub use process::{Environment, Process};
 
 /// Most axes a task may have.
 pub const MAX_AXES: usize = 7;
@@ -61,6 +64,8 @@ pub struct Task {
     /// Admittance law.
     #[serde(default)]
     pub admittance: Admittance,
+    /// Who makes the rollouts; left out, hpf simulates them.
+    pub environment: Option<Environment>,
     /// Forces on the tool.
     #[serde(default)]
     pub disturbance: Vec<Disturbance>,

@@ -86,9 +86,8 @@ fn resume(run: &Path, common: &Common) -> Result<(LoadedTask, Unfinished, PathBu
 
 /// Writes everything that was learned, and says what it came to.
 fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started: Instant) -> Result<Summary, Failure> {
-    let Learned { run, history, simulation, .. } = learned;
-    let metrics = simulation.metrics(&run.trajectory);
-    let policy = results::save(run, &loaded.text, &metrics, folder)?;
+    let Learned { run, history, metrics, .. } = learned;
+    let policy = results::save(run, &loaded.text, metrics, folder)?;
     let summary = Summary {
         task: run.task.name.clone(),
         task_sha256: sha256(&loaded.text),
@@ -103,7 +102,7 @@ fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started
         total_s: started.elapsed().as_secs_f64(),
         initial: (history.initial.total, history.initial.terms.clone()),
         last: (history.best.total, history.best.terms.clone()),
-        metrics,
+        metrics: metrics.clone(),
         rejected: history.rejected,
         stopped_because: learned.stopped_because(&run.task),
     };
