@@ -56,13 +56,8 @@ fn worker(folder: &Path, body: &str) -> String {
     path.display().to_string()
 }
 
-const COSTS: [&str; 5] = [
-    "accept={}",
-    "learning.method=pi2",
-    "learning.updates=8",
-    "environment.timeout=5.0",
-    "environment.workers=1",
-];
+const COSTS: [&str; 5] =
+    ["accept={}", "learning.method=pi2", "learning.updates=8", "environment.timeout=5.0", "environment.workers=1"];
 
 #[test]
 fn the_example_meets_its_targets_and_gives_the_same_bytes_for_any_number_of_workers() {
@@ -206,7 +201,8 @@ fn what_does_not_start_or_fit_is_refused_by_name() {
     let costs = r#"{"type":"ready","protocol":1,"answers":"costs"}"#;
     let (_, stderr) = learn(2, folder.path(), &["echo", costs], "run", &COSTS[1..]);
     assert!(stderr.contains("[accept] need traces"), "{stderr}");
-    let pushed = ["disturbance=[{ kind = \"step\", axis = \"x\", amplitude = 1.0, start = 0.1 }]", "output.snapshots=[0]"];
+    let pushed =
+        ["disturbance=[{ kind = \"step\", axis = \"x\", amplitude = 1.0, start = 0.1 }]", "output.snapshots=[0]"];
     let (_, stderr) = learn(2, folder.path(), &["true"], "run", &pushed);
     assert!(stderr.contains("is simulated, and the rollouts of this task are not"), "{stderr}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");

@@ -146,15 +146,8 @@ impl Session {
             Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
         let motions = problem.motions().max(1);
         let due = if motions == 1 && matches!(stage, Stage::Signals(..)) { Due::Batch } else { Due::Start };
-        let history = History {
-            best: initial.clone(),
-            initial,
-            updates: 0,
-            rollouts: 0,
-            rejected: 0,
-            stop: Stop::Asked,
-            notes,
-        };
+        let history =
+            History { best: initial.clone(), initial, updates: 0, rollouts: 0, rejected: 0, stop: Stop::Asked, notes };
         Ok(Self {
             stage,
             due,

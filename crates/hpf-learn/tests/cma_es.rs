@@ -19,7 +19,8 @@ fn learned(blocks: &[Block], start: &[f64], updates: usize, seed: u64, cost: imp
 fn an_ill_conditioned_bowl_in_any_direction_is_learned_to_its_bottom() {
     // Curvatures 1 to 1e6 along directions that are no axes: without its covariance this would take a million updates.
     let cost = |w: &[f64]| {
-        let turned = |i: usize| w.iter().enumerate().map(|(j, w)| (w - 1.0) * ((i * 8 + j) as f64 * 1.7).sin()).sum::<f64>();
+        let turned =
+            |i: usize| w.iter().enumerate().map(|(j, w)| (w - 1.0) * ((i * 8 + j) as f64 * 1.7).sin()).sum::<f64>();
         (0..8).map(|i| 10f64.powf(6.0 * i as f64 / 7.0) * turned(i).powi(2)).sum::<f64>()
     };
     for seed in [1, 2, 3] {
@@ -33,7 +34,8 @@ fn an_ill_conditioned_bowl_in_any_direction_is_learned_to_its_bottom() {
 fn samples_stay_in_their_bounds_and_an_optimum_on_them_is_found() {
     let blocks = [block(2, -1.0, 1.0, 0.3), block(2, 10.0, 50.0, 5.0)];
     let cost = |w: &[f64]| (w[0] - 3.0).powi(2) + (w[1] - 0.2).powi(2) + (0.1 * w[2] - 0.5).powi(2) + 0.01 * w[3];
-    let mut learner = CmaEs::new(&blocks, vec![0.0, 0.0, 20.0, 20.0], CmaEsOptions { rollouts: 12, updates: 0, seed: 1 });
+    let mut learner =
+        CmaEs::new(&blocks, vec![0.0, 0.0, 20.0, 20.0], CmaEsOptions { rollouts: 12, updates: 0, seed: 1 });
     for _ in 0..150 {
         for sample in learner.ask() {
             assert!(sample[..2].iter().all(|w| (-1.0..=1.0).contains(w)));
@@ -53,7 +55,8 @@ fn another_unit_of_a_parameter_changes_nothing() {
     let free = (f64::NEG_INFINITY, f64::INFINITY);
     let one = learned(&[block(2, free.0, free.1, 0.5)], &[0.0; 2], 30, 7, cost);
     // A power of two: no rounding.
-    let other = learned(&[block(2, free.0, free.1, 512.0)], &[0.0; 2], 30, 7, |w| cost(&[w[0] / 1024.0, w[1] / 1024.0]));
+    let other =
+        learned(&[block(2, free.0, free.1, 512.0)], &[0.0; 2], 30, 7, |w| cost(&[w[0] / 1024.0, w[1] / 1024.0]));
     assert_eq!(one.weights().iter().map(|w| w * 1024.0).collect::<Vec<_>>(), other.weights());
 }
 

@@ -1,8 +1,8 @@
 //! A simulation as something to learn.
 
 use hpf_learn::{
-    Anneal, AutoOptions, Block, CmaEsOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters,
-    Pi2Options, Problem, SignalModel, Temperature, fit,
+    Anneal, AutoOptions, Block, CmaEsOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method,
+    Parameters, Pi2Options, Problem, SignalModel, Temperature, fit,
 };
 
 use crate::environment::cantilever::minimum_jerk;

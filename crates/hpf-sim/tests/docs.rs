@@ -127,7 +127,8 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
     ] {
         page.table(key, &schema["$defs"][name]);
     }
-    for (key, name) in [("[environment]", "Environment"), ("[[disturbance]]", "Disturbance"), ("[contact]", "Contact")] {
+    for (key, name) in [("[environment]", "Environment"), ("[[disturbance]]", "Disturbance"), ("[contact]", "Contact")]
+    {
         for member in schema["$defs"][name]["oneOf"].as_array().expect("kinds") {
             let mut merged = page.resolve(member);
             if merged["properties"].as_object().is_none_or(|keys| keys.len() < 2) {

@@ -77,7 +77,10 @@ pub fn ready(line: &str) -> Result<Kind, String> {
         return Err(nonsense(line, "its type is not \"ready\""));
     }
     if ready.protocol != VERSION {
-        return Err(format!("speaks version {} of the protocol; this program speaks version {VERSION}", ready.protocol));
+        return Err(format!(
+            "speaks version {} of the protocol; this program speaks version {VERSION}",
+            ready.protocol
+        ));
     }
     Ok(ready.answers)
 }
@@ -325,8 +328,7 @@ mod tests {
 
     #[test]
     fn a_trace_takes_the_place_of_the_plan() {
-        let line =
-            r#"{"type":"done","id":7,"axes":[{"position":[0,1,2],"velocity":[3,4,5],"force":[6,7,8]}]}"#;
+        let line = r#"{"type":"done","id":7,"axes":[{"position":[0,1,2],"velocity":[3,4,5],"force":[6,7,8]}]}"#;
         let mut found = trace();
         assert_eq!(answer(line, 7, Kind::Trace, &mut found), Ok(Answer::Trace));
         assert_eq!(found.axes[0].position, [0.0, 1.0, 2.0]);

@@ -111,13 +111,7 @@ impl Worker {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn replace(
-        &mut self,
-        settings: &Settings,
-        hello: &Hello,
-        kind: Kind,
-        timeout: Duration,
-    ) -> Result<(), String> {
+    pub fn replace(&mut self, settings: &Settings, hello: &Hello, kind: Kind, timeout: Duration) -> Result<(), String> {
         // The old one must be gone before the new one takes hold of the same robot.
         self.end();
         *self = Self::spawn(self.number, settings, hello)?;

@@ -4,8 +4,8 @@ use core::fmt::Display;
 
 use super::keys::Document;
 use super::{
-    Diagnostic, Environment, ExplorationKind, Gain, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Preset,
-    Scaling, Task, Unit,
+    Diagnostic, Environment, ExplorationKind, Gain, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis,
+    Preset, Scaling, Task, Unit,
 };
 
 /// Appends every contradiction in `task` to `found`.
@@ -233,7 +233,11 @@ impl Rules<'_, '_, '_> {
             [&cost.goal, &cost.end_velocity, &cost.via_point, &cost.acceleration, &cost.stiffness, &cost.damping];
         let silent = |value: &PerAxis| value.values().iter().all(|&weight| weight == 0.0);
         // A process may tell costs of its own.
-        if task.environment.is_none() && cost.tracking == 0.0 && cost.contact_force == 0.0 && per_axis.into_iter().all(silent) {
+        if task.environment.is_none()
+            && cost.tracking == 0.0
+            && cost.contact_force == 0.0
+            && per_axis.into_iter().all(silent)
+        {
             self.say(
                 "cost",
                 "no cost term has a weight: there is nothing to learn",
