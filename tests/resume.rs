@@ -79,7 +79,7 @@ fn an_interrupted_run_goes_on_to_the_same_bytes_from_a_whole_cut_or_damaged_chec
         assert!(stderr.contains("is finished"), "{stderr}");
     }
 
-    // What cannot be gone on with says why, and stays as it is.
+    // What cannot be gone on with says why, as often as it is asked.
     fs::write(path("headless/checkpoint"), &checkpoint[9..]).unwrap();
     let text = String::from_utf8_lossy(&checkpoint[..60]).replace("checkpoint 1", "checkpoint 2");
     fs::write(path("foreign/checkpoint"), text).unwrap();

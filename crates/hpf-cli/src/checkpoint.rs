@@ -8,10 +8,11 @@
 //! learner's state, and every beginning of the file is a checkpoint too. A record that a kill or a lost disk block cut
 //! short therefore costs the motions after it and nothing else: they are made again, and are the same.
 
+use core::time::Duration;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use hpf_learn::Record;
 
@@ -76,12 +77,7 @@ impl Checkpoint {
             whole += bytes;
         }
         let mut file = file;
-        let cut = || {
-            file.set_len(whole)?;
-            file.seek(SeekFrom::End(0))
-        };
-        let mut cut = cut;
-        cut().map_err(while_writing(path))?;
+        file.set_len(whole).and_then(|()| file.seek(SeekFrom::End(0))).map_err(while_writing(path))?;
         let checkpoint = Self { file, path: path.to_owned(), buffer: Vec::new(), synced: Instant::now() };
         Ok((checkpoint, length - whole))
     }
@@ -158,7 +154,7 @@ fn next(reader: &mut impl io::Read, left: u64) -> io::Result<Option<(Record, u64
 
 #[cfg(test)]
 mod tests {
-    use hpf_learn::Price;
+    use hpf_learn::{Elite, Price};
 
     use super::*;
 
@@ -173,6 +169,7 @@ mod tests {
                 exploration: 0.5,
                 rejected: 2,
                 cheapest: Some((vec![2.0, 3.0], price(1e300))),
+                elites: vec![Elite { sample: vec![0.1], running: vec![f64::MAX, 1e-310], terminal: -0.0 }],
             },
             Record::Signals { prices: vec![price(f64::INFINITY)], signals: vec![vec![f64::NEG_INFINITY, 0.25]] },
         ]

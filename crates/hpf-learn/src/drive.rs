@@ -101,6 +101,9 @@ pub enum LearnError {
     /// The method learns from signals, and the problem measures none.
     #[error("the problem measures no signals: learn it from its cost, with auto, pi2 or cma-es")]
     NoSignals,
+    /// Elites keep what they cost, and the problem's costs are random.
+    #[error("elites keep what they cost under other draws: leave `elites` at 0 where costs are random")]
+    RandomElites,
     /// A [`Record`](crate::Record) that this problem and method cannot have led to.
     #[error("what was recorded does not belong to this problem and method")]
     WrongRecord,

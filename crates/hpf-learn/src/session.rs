@@ -14,10 +14,11 @@
 
 use crate::auto::{FallBack, Patience, on_roots, roots};
 use crate::drive::constant;
+use crate::elites::{choose, join};
 use crate::record::{Price, Record};
 use crate::{
-    Batch, CmaEs, Cost, Draws, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error, Problem,
-    Progress, Settled, Stop,
+    Batch, CmaEs, Cost, Draws, Elite, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
+    Problem, Progress, Settled, Stop,
 };
 
 /// What to roll out next.
@@ -80,6 +81,9 @@ pub struct Session {
     /// The samples of PI2 that are rolled out.
     batch: Option<Batch>,
     history: History,
+    /// Rollouts that take part in the next update of PI2 again, and how many there are at most.
+    elites: Vec<Elite>,
+    most_elites: usize,
     /// The cheapest motion of the running update, where motions are evaluations.
     cheapest: Option<(Vec<f64>, Price)>,
     over: Option<Stop>,
@@ -116,7 +120,8 @@ impl Session {
     /// Begins to learn `problem` from `weights` by `method`.
     ///
     /// # Errors
-    /// [`LearnError::NoSignals`] where the method needs signals that the problem does not measure.
+    /// [`LearnError::NoSignals`] where the method needs signals that the problem does not measure,
+    /// [`LearnError::RandomElites`] where it keeps costs that are random.
     pub fn begin<P: Problem>(
         problem: &P,
         weights: Vec<f64>,
@@ -130,6 +135,10 @@ impl Session {
             let model = problem.signals().ok_or(LearnError::NoSignals)?;
             Ok(Stage::Signals(Box::new(GaussNewton::new(blocks, model, weights, options)), None))
         };
+        let most_elites = if let Method::Pi2(options) = method { options.elites } else { 0 };
+        if most_elites > 0 && problem.motions() > 1 {
+            return Err(LearnError::RandomElites);
+        }
         let stage = match *method {
             Method::Pi2(options) => Stage::Pi2(Box::new(Pi2::new(blocks, steps, weights, options))),
             Method::CmaEs(options) => Stage::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
@@ -152,6 +161,8 @@ impl Session {
             stage,
             due,
             batch: None,
+            elites: Vec::new(),
+            most_elites,
             history,
             cheapest: None,
             over: None,
@@ -241,7 +252,14 @@ impl Session {
             }
             _ => unreachable!("only PI2 has a batch"),
         };
-        let rejected = match learner.tell(&batch, costs) {
+        let is_any_finite = costs.iter().any(|cost| cost.total().is_finite());
+        let (told, elites) = if self.most_elites > 0 && is_any_finite {
+            let (joined, costs) = join(&self.elites, &batch, costs);
+            (learner.tell(&joined, &costs), choose(self.most_elites, &joined, &costs))
+        } else {
+            (learner.tell(&batch, costs), Vec::new())
+        };
+        let rejected = match told {
             Ok(rejected) => rejected,
             Err(reason) => return Err(self.failed(reason)),
         };
@@ -257,6 +275,7 @@ impl Session {
             exploration,
             rejected,
             cheapest: if are_evaluations { cheapest() } else { None },
+            elites,
         })
     }
 
@@ -272,7 +291,7 @@ impl Session {
     /// # Errors
     /// [`LearnError::WrongRecord`] where another problem or method was recorded; otherwise as for [`Session::tell`].
     pub fn replay(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
-        if self.ask().is_none() {
+        if self.over.is_some() {
             return Err(LearnError::WrongRecord);
         }
         let progress = match (core::mem::replace(&mut self.due, Due::Batch), record) {
@@ -321,12 +340,13 @@ impl Session {
         match (&mut self.stage, record) {
             (
                 Stage::Pi2(learner) | Stage::Polish(learner, _),
-                Record::Update { update, weights, spread, exploration, rejected, cheapest },
+                Record::Update { update, weights, spread, exploration, rejected, cheapest, elites },
             ) => {
                 if [weights, spread].iter().any(|list| list.len() != learner.weights().len()) {
                     return Err(LearnError::WrongRecord);
                 }
                 learner.restore(*update, weights, spread);
+                self.elites.clone_from(elites);
                 let weights = weights.clone();
                 self.history.rollouts += self.rollouts * self.motions;
                 self.history.rejected += rejected;

@@ -107,16 +107,21 @@ fn methods() -> Vec<(Method, bool)> {
         (Method::Pi2(Pi2Options { covariance: adapted, exploration: Exploration::Step, ..pi2 }), false),
         (Method::GaussNewton(GaussNewtonOptions { rollouts: 3, updates: 30, seed: 2 }), true),
         (Method::Auto(AutoOptions { rollouts: 4, updates: 40, seed: 3 }), true),
+        (Method::Pi2(Pi2Options { elites: 3, ..pi2 }), false),
         // Settles on the roots of the costs, then PI2.
         (Method::Auto(AutoOptions { rollouts: 4, updates: 120, seed: 3 }), false),
         (Method::CmaEs(CmaEsOptions { rollouts: 6, updates: 25, seed: 4 }), false),
     ]
 }
 
+fn has_elites((method, _): &(Method, bool)) -> bool {
+    matches!(method, Method::Pi2(options) if options.elites > 0)
+}
+
 #[test]
 fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
     for draws in [1, 3] {
-        for (method, has_signals) in methods() {
+        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
             let problem = Bent::new(has_signals, draws);
             let begin = || Session::begin(&problem, vec![0.1; 2 * COUNT], &method, Some(1500)).unwrap();
             let mut driver = Driver::new(&problem);
@@ -146,7 +151,7 @@ fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
 #[test]
 fn every_motion_of_every_draw_counts_and_none_is_made_beyond_the_limit() {
     for draws in [1, 3] {
-        for (method, has_signals) in methods() {
+        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
             for allowed in [40, 41, 77, 100] {
                 let problem = Bent::new(has_signals, draws);
                 let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(allowed), |_| true).unwrap();
@@ -161,7 +166,7 @@ fn every_motion_of_every_draw_counts_and_none_is_made_beyond_the_limit() {
 
 #[test]
 fn with_draws_the_best_is_what_its_evaluation_on_those_held_out_says() {
-    for (method, has_signals) in methods() {
+    for (method, has_signals) in methods().into_iter().filter(|method| !has_elites(method)) {
         let problem = Bent::new(has_signals, 3);
         let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(2000), |_| true).unwrap();
         for progress in [&history.initial, &history.best] {
@@ -171,6 +176,21 @@ fn with_draws_the_best_is_what_its_evaluation_on_those_held_out_says() {
         }
         assert!(history.best.total < history.initial.total, "{method:?}");
     }
+}
+
+#[test]
+fn elites_help_a_small_batch_and_are_refused_where_costs_are_random() {
+    let learned = |elites, draws| {
+        let options = Pi2Options { rollouts: 4, updates: 60, elites, ..Pi2Options::default() };
+        let total = |seed| {
+            let method = Method::Pi2(Pi2Options { seed, ..options });
+            learn_with(&Bent::new(false, draws), vec![0.1; 2 * COUNT], &method, None, |_| true).map(|h| h.best.total)
+        };
+        (1..=20).map(total).sum::<Result<f64, LearnError>>()
+    };
+    let (without, with) = (learned(0, 1).unwrap(), learned(3, 1).unwrap());
+    assert!(with < without, "{without} {with}");
+    assert_eq!(learned(3, 2), Err(LearnError::RandomElites));
 }
 
 #[test]
@@ -186,8 +206,9 @@ fn a_record_of_something_else_is_refused() {
         exploration: 1.0,
         rejected: 0,
         cheapest: None,
+        elites: vec![],
     };
-    for (i, record) in [(0, &none), (0, &update), (0, &Record::Costs(vec![])), (2, &none), (2, &update), (5, &none)] {
+    for (i, record) in [(0, &none), (0, &update), (0, &Record::Costs(vec![])), (2, &none), (2, &update), (6, &none)] {
         assert_eq!(begin(i).replay(record), Err(LearnError::WrongRecord), "{i} {record:?}");
     }
 }

@@ -106,6 +106,7 @@ impl Learning {
                 None => preset.covariance,
             },
             is_projected: self.projection.unwrap_or(preset.is_projected),
+            elites: self.elites,
             seed: self.seed,
         }
     }
