@@ -4,12 +4,17 @@ mod acceptance;
 mod check;
 mod continuous;
 mod directory;
+mod docs_commands;
 mod export;
 mod info;
+mod init;
 mod kill;
+mod layouts;
 mod learn;
+mod options;
 mod plot;
 mod process;
+mod recover;
 mod resume;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]

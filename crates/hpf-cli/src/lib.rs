@@ -5,6 +5,7 @@
 mod checkpoint;
 mod cli;
 mod commands;
+mod comparison;
 mod directory;
 mod export;
 mod failure;
@@ -13,6 +14,7 @@ mod files;
 mod learning;
 mod log;
 mod overrides;
+mod packed;
 mod process;
 mod progress;
 mod render;

@@ -49,6 +49,9 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
 
 /// A policy file, or the policy of a run, with its certificates.
 fn check_policy(options: &Check, common: &Common) -> Result<Outcome, Failure> {
+    if common.seed.is_some() {
+        return Err(Failure::Input("--seed means nothing to a policy: leave it out".into()));
+    }
     if !options.set.is_empty() {
         return Err(Failure::Input("--set changes tasks; a policy has nothing to set".into()));
     }
