@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::support::{command, expect, expect_same_run, folder, hpf, json, read, root, task};
+use crate::support::{command, expect, expect_same_run, folder, hpf, json, read, root};
 
 /// Whether Python is here; where not, the test says so and ends.
 fn has_python() -> bool {
@@ -16,15 +16,19 @@ fn has_python() -> bool {
     found
 }
 
+fn toml() -> String {
+    root().join("examples/process/point_mass.toml").display().to_string()
+}
+
 fn example() -> String {
-    root().join("tasks/process/point_mass.py").display().to_string()
+    root().join("examples/process/point_mass.py").display().to_string()
 }
 
 /// Learns the example's task with `program` in `folder`.
 fn arguments(program: &[&str], out: &str, settings: &[&str]) -> Vec<String> {
     let quoted: Vec<String> = program.iter().map(|word| format!("{word:?}")).collect();
     let command = format!("environment.command=[{}]", quoted.join(", "));
-    let mut arguments = vec!["learn".to_owned(), task("process/point_mass.toml")];
+    let mut arguments = vec!["learn".to_owned(), toml()];
     arguments.extend(["--quiet", "--out", out, "--set", &command].map(str::to_owned));
     arguments.extend(settings.iter().flat_map(|setting| ["--set".to_owned(), (*setting).to_owned()]));
     arguments
@@ -78,7 +82,7 @@ fn the_example_meets_its_targets_and_gives_the_same_bytes_for_any_number_of_work
     assert!(summary["rollouts_total"].as_u64().unwrap() <= 201);
     let cost = |when: &str| summary["cost"][when]["total"].as_f64().unwrap();
     assert!(cost("final") < 0.1 * cost("initial"));
-    let check = expect(0, folder.path(), &["check", &task("process/point_mass.toml")]).0;
+    let check = expect(0, folder.path(), &["check", &toml()]).0;
     assert!(check.contains("process     2 of `python3"), "{check}");
 }
 

@@ -71,7 +71,8 @@ Examples:
   hpf learn tasks/cantilever.toml
   hpf learn tasks/via_point.toml --set 'via_point.0.position=[0.5,0.9]' --out runs/elsewhere
   hpf learn tasks/reach.toml --set learning.updates=300 --json
-  hpf learn --resume runs/cantilever")]
+
+A run that was killed or stopped by Ctrl-C goes on with --resume RUN: hpf learn --resume runs/cantilever")]
     Learn(Learn),
     /// Simulate a learned policy, also at another rate or in another environment
     #[command(after_help = "\

@@ -3,7 +3,7 @@
 use hpf_sim::task::Environment;
 use hpf_sim::{Policy, Simulation, SimulationError, Task};
 
-const POINT_MASS: &str = include_str!("../../../tasks/process/point_mass.toml");
+const POINT_MASS: &str = include_str!("../../../examples/process/point_mass.toml");
 
 fn messages(text: &str) -> Vec<String> {
     let found = Task::parse(text).expect_err("a mistake");
@@ -40,8 +40,8 @@ fn numbers_of_a_process_have_bounds() {
         ("tries = 3 ", "tries = 0 ", "from 1 to 1000"),
         ("tries = 3 ", "trys = 3 ", "did you mean `tries`"),
         ("kind = \"process\"", "kind = \"thread\"", "process"),
-        ("[\"python3\", \"tasks/process/point_mass.py\"]", "[]", "command"),
-        ("[\"python3\", \"tasks/process/point_mass.py\"]", "[\"\"]", "the name of the program is empty"),
+        ("[\"python3\", \"examples/process/point_mass.py\"]", "[]", "command"),
+        ("[\"python3\", \"examples/process/point_mass.py\"]", "[\"\"]", "the name of the program is empty"),
     ] {
         assert!(POINT_MASS.contains(from), "{from}");
         let found = messages(&POINT_MASS.replacen(from, to, 1)).join("\n");
