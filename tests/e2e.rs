@@ -6,6 +6,8 @@ mod continuous;
 mod directory;
 mod docs_commands;
 mod export;
+#[path = "../crates/hpf-sim/tests/generator/mod.rs"]
+mod generator;
 mod info;
 mod init;
 mod kill;
@@ -14,8 +16,10 @@ mod learn;
 mod options;
 mod plot;
 mod process;
+mod random_tasks;
 mod recover;
 mod resume;
+mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;

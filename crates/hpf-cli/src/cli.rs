@@ -33,10 +33,9 @@ Examples:
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
 
-/// Options accepted before and after the command. One that means nothing to a command is refused by
-/// [`crate::commands::run`].
+/// Options accepted before and after the command.
 #[derive(Args, Debug)]
-#[command(next_help_heading = "Common options, refused where they mean nothing")]
+#[command(next_help_heading = "Common options")]
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]

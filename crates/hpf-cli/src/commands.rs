@@ -40,29 +40,17 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// An option that would do nothing is a mistake of the user's, not to be passed over in silence.
+/// An option that promises a result which the command does not have is a mistake, not to be passed over in silence. The
+/// other common options hold for every command: where nothing is drawn, rolled out or replaced, they hold by themselves.
 fn refuse_meaningless(command: &Command, common: &Common) -> Result<(), Failure> {
-    let (name, meant): (_, &[&str]) = match command {
-        Command::Plot(_) => ("plot", &["--out", "--force", "--json"]),
-        Command::Check(_) => ("check", &["--seed", "--json"]),
-        Command::Export(_) => ("export", &["--out", "--force", "--json"]),
-        Command::Info(_) => ("info", &["--json"]),
-        Command::Recover(_) => ("recover", &["--out", "--force", "--json"]),
-        Command::Init(_) => ("init", &["--out", "--force", "--json"]),
-        Command::Schema => ("schema", &["--out", "--force", "--json"]),
-        Command::Completions(_) => ("completions", &["--out", "--force"]),
-        Command::Manual => ("manual", &["--out", "--force", "--json"]),
-        // What makes rollouts takes every one.
+    let (name, has_out, has_json) = match command {
+        Command::Check(_) => ("check", false, true),
+        Command::Info(_) => ("info", false, true),
+        Command::Completions(_) => ("completions", true, false),
         _ => return Ok(()),
     };
-    let given = [
-        ("--seed", common.seed.is_some()),
-        ("--threads", common.threads.is_some()),
-        ("--out", common.out.is_some()),
-        ("--force", common.force),
-        ("--json", common.json),
-    ];
-    match given.into_iter().find(|(option, given)| *given && !meant.contains(option)) {
+    let given = [("--out", common.out.is_some() && !has_out), ("--json", common.json && !has_json)];
+    match given.into_iter().find(|(_, is_refused)| *is_refused) {
         Some((option, _)) => Err(Failure::Input(format!("{option} means nothing to hpf {name}: leave it out"))),
         None => Ok(()),
     }

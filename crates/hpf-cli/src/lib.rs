@@ -17,6 +17,7 @@ mod overrides;
 mod packed;
 mod process;
 mod progress;
+pub mod readers;
 mod render;
 mod report;
 mod results;

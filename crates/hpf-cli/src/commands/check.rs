@@ -39,6 +39,7 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "task", "valid": true,
             "steps": simulation.step_count(), "parameters": policy.weights().len(), "initial_cost": cost,
+            "memory_bytes": loaded.task.memory(rayon::current_num_threads()),
         });
         say(&format!("{object:#}\n"))?;
     } else {
@@ -49,9 +50,6 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
 
 /// A policy file, or the policy of a run, with its certificates.
 fn check_policy(options: &Check, common: &Common) -> Result<Outcome, Failure> {
-    if common.seed.is_some() {
-        return Err(Failure::Input("--seed means nothing to a policy: leave it out".into()));
-    }
     if !options.set.is_empty() {
         return Err(Failure::Input("--set changes tasks; a policy has nothing to set".into()));
     }
