@@ -12,7 +12,6 @@ mod plot;
 mod recover;
 mod schema;
 mod simulate;
-mod start;
 
 use crate::cli::{Arguments, Command, Common};
 use crate::failure::{Failure, Outcome};

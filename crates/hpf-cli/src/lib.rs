@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod cli;
 mod commands;
 mod comparison;
@@ -10,14 +11,17 @@ mod export;
 mod failure;
 mod figure;
 mod files;
+mod learning;
 mod log;
 mod overrides;
 mod packed;
+mod process;
 mod progress;
 pub mod readers;
 mod render;
 mod report;
 mod results;
+mod start;
 mod style;
 mod summary;
 
