@@ -476,9 +476,9 @@ impl Session {
         history
     }
 
-    /// Whether no update waits for its evaluation: a good moment to stop.
+    /// Whether the start and every update have been evaluated: a good moment to stop.
     pub fn is_evaluated(&self) -> bool {
-        !matches!(self.due, Due::Evaluation { .. })
+        self.history.rollouts > 0 && !matches!(self.due, Due::Evaluation { .. })
     }
 
     /// Whether learning is over by itself.
