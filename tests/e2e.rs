@@ -11,13 +11,16 @@ mod generator;
 mod imitate;
 mod info;
 mod init;
+mod kill;
 mod layouts;
 mod learn;
 mod options;
 mod plot;
+mod process;
 mod random_tasks;
 mod recover;
 mod reproduce;
+mod resume;
 mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]

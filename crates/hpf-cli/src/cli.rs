@@ -101,7 +101,9 @@ pub enum Command {
 Examples:
   hpf learn tasks/cantilever.toml
   hpf learn tasks/via_point.toml --set 'via_point.0.position=[0.5,0.9]' --out runs/elsewhere
-  hpf learn tasks/reach.toml --set learning.updates=300 --json")]
+  hpf learn tasks/reach.toml --set learning.updates=300 --json
+
+A run that was killed or stopped by Ctrl-C goes on with --resume RUN: hpf learn --resume runs/cantilever")]
     Learn(Learn),
     /// Simulate a learned policy, also at another rate or in another environment
     #[command(after_help = "\
@@ -196,14 +198,17 @@ Examples:
 #[derive(Args, Debug)]
 pub struct Learn {
     /// Task file (TOML)
-    #[arg(value_name = "TASK")]
-    pub task: PathBuf,
+    #[arg(value_name = "TASK", required_unless_present = "resume")]
+    pub task: Option<PathBuf>,
     /// Policy to start from, such as an imitated one; of the task's axes and bases [default: the bare pull to the goal]
-    #[arg(long, value_name = "POLICY|RUN")]
+    #[arg(long, value_name = "POLICY|RUN", conflicts_with = "resume")]
     pub from: Option<PathBuf>,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
-    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    #[arg(long, value_name = "KEY.PATH=VALUE", conflicts_with = "resume")]
     pub set: Vec<String>,
+    /// Go on with a run that was killed or interrupted, to the same results as if it had not been
+    #[arg(long, value_name = "RUN", conflicts_with = "task")]
+    pub resume: Option<PathBuf>,
 }
 
 /// `hpf run`

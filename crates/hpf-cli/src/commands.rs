@@ -13,7 +13,6 @@ mod recover;
 mod reproduce;
 mod schema;
 mod simulate;
-mod start;
 mod sweep;
 
 use crate::cli::{Arguments, Command, Common};

@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod cli;
 mod commands;
 mod comparison;
@@ -11,9 +12,11 @@ mod failure;
 mod figure;
 mod files;
 mod interrupt;
+mod learning;
 mod log;
 mod overrides;
 mod packed;
+mod process;
 mod progress;
 pub mod readers;
 mod render;
@@ -21,6 +24,7 @@ mod report;
 mod reproduce;
 mod results;
 mod side_by_side;
+mod start;
 mod statistics;
 mod style;
 mod summary;

@@ -13,7 +13,7 @@ use crate::render::number;
 const INTERVAL: Duration = Duration::from_secs(2);
 
 /// Writes a line to stderr; where that is full or closed, work goes on.
-fn tell(line: &str) {
+pub fn tell(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }
 

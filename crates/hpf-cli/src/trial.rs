@@ -143,7 +143,7 @@ pub fn save(trial: &Trial, prepared: &Prepared, full: bool, target: &Path) -> Re
         folder.write("summary.json", format!("{:#}\n", trial.summary.to_json()))
     })();
     match saved {
-        Ok(()) => folder.finish(),
+        Ok(()) => folder.finish(false),
         Err(failure) => Err(folder.abandon(failure)),
     }
 }

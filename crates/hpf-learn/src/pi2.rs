@@ -50,6 +50,8 @@ pub struct Pi2Options {
     pub covariance: Covariance,
     /// Whether a step moves the weights along its basis vector only (M_t), or as the rollouts went.
     pub is_projected: bool,
+    /// The cheapest rollouts so far that take part in the next update again; needs costs that are not random.
+    pub elites: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -66,6 +68,7 @@ impl Default for Pi2Options {
             anneal: Anneal::Linear { last: 0.1 },
             covariance: Covariance::Fixed,
             is_projected: true,
+            elites: 0,
             seed: 1,
         }
     }
@@ -121,10 +124,20 @@ impl Batch {
         self.samples.is_empty()
     }
 
+    /// All numbers of rollout `k`.
+    pub(crate) fn rows(&self, k: usize) -> &[f64] {
+        let length = self.rows * self.count;
+        &self.samples[k * length..(k + 1) * length]
+    }
+
+    /// Adds a sample of the same kind.
+    pub(crate) fn push(&mut self, rows: &[f64]) {
+        self.samples.extend(rows);
+    }
+
     /// The parameters of rollout `k`.
     pub fn sample(&self, k: usize) -> Parameters<'_> {
-        let length = self.rows * self.count;
-        let rows = &self.samples[k * length..(k + 1) * length];
+        let rows = self.rows(k);
         if self.rows == 1 { Parameters::Constant(rows) } else { Parameters::PerStep { rows, count: self.count } }
     }
 }
@@ -220,6 +233,13 @@ impl Pi2 {
         assert_eq!(spread.len(), self.weights.len(), "one number per parameter");
         self.spread = spread;
         self
+    }
+
+    /// Takes the place of a learner that had made `update` updates.
+    pub(crate) fn restore(&mut self, update: usize, weights: &[f64], spread: &[f64]) {
+        self.update = update;
+        self.weights.copy_from_slice(weights);
+        self.spread.copy_from_slice(spread);
     }
 
     /// Updates made so far.

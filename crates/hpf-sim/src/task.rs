@@ -6,6 +6,7 @@
 
 mod keys;
 mod learning;
+mod process;
 mod rules;
 mod sizes;
 
@@ -22,6 +23,8 @@ pub use learning::{
     TemperatureKind,
 };
 pub use sizes::MAX_MEMORY;
+
+pub use process::{Environment, Process};
 
 /// Most axes a task may have.
 pub const MAX_AXES: usize = 7;
@@ -64,6 +67,8 @@ pub struct Task {
     /// Admittance law.
     #[serde(default)]
     pub admittance: Admittance,
+    /// Who makes the rollouts; left out, hpf simulates them.
+    pub environment: Option<Environment>,
     /// Forces on the tool.
     #[serde(default)]
     #[schemars(length(max = 100))]

@@ -4,7 +4,8 @@ use core::fmt::Display;
 
 use super::keys::Document;
 use super::{
-    Diagnostic, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Scaling, Task, Unit,
+    Diagnostic, Environment, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis,
+    Scaling, Task, Unit,
 };
 
 /// Appends every contradiction in `task` to `found`.
@@ -25,6 +26,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     if is_clean {
         rules.cost_and_targets();
     }
+    rules.process();
     rules.learning();
     rules.sizes();
 }
@@ -230,7 +232,12 @@ impl Rules<'_, '_, '_> {
         let per_axis =
             [&cost.goal, &cost.end_velocity, &cost.via_point, &cost.acceleration, &cost.stiffness, &cost.damping];
         let silent = |value: &PerAxis| value.values().iter().all(|&weight| weight == 0.0);
-        if cost.tracking == 0.0 && cost.contact_force == 0.0 && per_axis.into_iter().all(silent) {
+        // A process may tell costs of its own.
+        if task.environment.is_none()
+            && cost.tracking == 0.0
+            && cost.contact_force == 0.0
+            && per_axis.into_iter().all(silent)
+        {
             self.say(
                 "cost",
                 "no cost term has a weight: there is nothing to learn",
@@ -277,6 +284,25 @@ impl Rules<'_, '_, '_> {
                 MAX_MEMORY / 1e9
             );
             self.say(table.path, message, help);
+        }
+    }
+
+    /// What hpf would simulate, in a task that a process runs.
+    fn process(&mut self) {
+        let task = self.task;
+        let Some(Environment::Process(process)) = &task.environment else { return };
+        if process.command.first().is_some_and(String::is_empty) {
+            self.say("environment.command.0", "the name of the program is empty", "a program and its arguments");
+        }
+        for (path, given) in [
+            ("disturbance", !task.disturbance.is_empty()),
+            ("contact", task.contact.is_some()),
+            ("output.snapshots", !task.output.snapshots.is_empty()),
+        ] {
+            if given {
+                let help = "the process is the environment: leave it out, or leave out [environment]";
+                self.say(path, format!("`{path}` is simulated, and the rollouts of this task are not"), help);
+            }
         }
     }
 

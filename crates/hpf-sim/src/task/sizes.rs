@@ -8,7 +8,8 @@
 //! rows of learning           12 updates
 //! samples                    K P, or K S P where they change from step to step
 //! parameters against signals P G    of Gauss-Newton: rollouts kept, the response
-//! parameters squared         P P    of Gauss-Newton: curvature, doubt, price
+//! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
+//! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
 //! ```
 
 use super::{ExplorationKind, MAX_NUMBERS, Method, PerAxis, Preset, Task};
@@ -83,6 +84,21 @@ impl Task {
             } else {
                 table("learning.rollouts", "samples of every rollout and parameter", rollouts * parameters, 1.0)
             });
+            let elite = steps + if changes { steps * parameters } else { parameters };
+            tables.push(table(
+                "learning.elites",
+                "rollouts kept for updates to come",
+                learning.elites as f64 * elite,
+                3.0,
+            ));
+        } else if learning.method == Method::CmaEs {
+            tables.push(table(
+                "learning.rollouts",
+                "samples of every rollout and parameter",
+                rollouts * parameters,
+                2.0,
+            ));
+            tables.push(table("movement.basis", "parameters against parameters", parameters * parameters, 8.0));
         } else {
             let weighs = |weight: &PerAxis| weight.values().iter().any(|&weight| weight > 0.0);
             let by_step = axes * f64::from(u8::from(weighs(&cost.acceleration)))
