@@ -19,9 +19,11 @@ mod plot;
 mod process;
 mod random_tasks;
 mod recover;
+mod reproduce;
 mod resume;
 mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;
 mod support;
+mod sweep;

@@ -1,7 +1,6 @@
 //! Learning a task into a folder, from its beginning or from where it was broken off.
 
 use core::fmt::Display;
-use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::fs;
 use std::time::Instant;
@@ -14,6 +13,7 @@ use crate::checkpoint::Checkpoint;
 use crate::directory::{CHECKPOINT, Unfinished};
 use crate::failure::Failure;
 use crate::files::{LoadedTask, sha256, while_writing};
+use crate::interrupt;
 use crate::log::{Head, Log};
 use crate::process::Process;
 use crate::progress::{Meter, tell};
@@ -22,9 +22,6 @@ use crate::start::{self, START};
 
 /// The log while learning goes on.
 const LOG: &str = "log.mcap.partial";
-
-/// Set by Ctrl-C: learning ends after the running update.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// What learning came to.
 pub struct Learned {
@@ -122,12 +119,12 @@ fn learn_in<P: Problem>(
     let mut log = log_so_far(&Head::new(task, &loaded.text, &first_policy), &kept.rows, folder)?;
     let log_path = folder.path(LOG);
 
-    watch_for_ctrl_c();
+    interrupt::watch();
     let mut meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, quiet);
     let started = Instant::now();
     let mut driver = Driver::new(problem);
     let mut broken = None;
-    while !(INTERRUPTED.load(Ordering::Relaxed) && session.is_evaluated()) {
+    while !(interrupt::is_asked() && session.is_evaluated()) {
         let told = driver.step(&mut session);
         if let Some(why) = failure() {
             return Err(Failure::Work(why));
@@ -226,15 +223,4 @@ impl Learned {
             (None, Stop::Settled(reason)) => reason.to_string(),
         }
     }
-}
-
-/// From now on the first Ctrl-C ends learning after the running update, the second ends the program.
-fn watch_for_ctrl_c() {
-    let handler = || {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    };
-    // Without a handler Ctrl-C still ends the program: nothing under a final name is half-written.
-    let _ = ctrlc::set_handler(handler);
 }

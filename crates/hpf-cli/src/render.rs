@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::summary::Summary;
 
 /// The deviation that the paper claims for its cantilever [m].
-const PAPER_DEVIATION: f64 = 0.15e-3;
+pub const PAPER_DEVIATION: f64 = 0.15e-3;
 
 /// The deviation that the paper claims for `task` [m], if it is on the paper's curve.
 pub fn paper_deviation(task: &Task) -> Option<f64> {
