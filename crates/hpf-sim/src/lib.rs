@@ -19,6 +19,6 @@ mod trace;
 pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS};
 pub use metrics::Metric;
 pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
-pub use simulation::{Simulation, SimulationError};
+pub use simulation::{Simulation, SimulationError, Workspace};
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};
