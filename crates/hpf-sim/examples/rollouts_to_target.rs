@@ -65,7 +65,7 @@ impl Problem for View<'_> {
     }
 
     fn rollout(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
-        Problem::rollout(self.simulation, parameters, trace, cost);
+        Problem::rollout(self.simulation, draws, parameters, trace, cost);
     }
 
     fn signals(&self) -> Option<&SignalModel> {

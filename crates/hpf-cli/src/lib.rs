@@ -23,7 +23,8 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 
-fn main() -> ExitCode {
+/// Reads the command line, runs the command, and says how it ended.
+pub fn main() -> ExitCode {
     let arguments = cli::Arguments::parse();
     style::choose(arguments.common.color);
     match commands::run(&arguments) {
