@@ -15,8 +15,8 @@ pub(crate) const LANES: usize = 8;
 /// What a thread makes rollouts in; reused, it allocates nothing.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    /// Made when signals are asked for.
-    pub(crate) trace: Option<Trace>,
+    /// The motion whose signals were measured last.
+    pub trace: Option<Trace>,
     /// One entry per parameter.
     weights: Vec<Lanes<LANES>>,
     /// One entry per step.
