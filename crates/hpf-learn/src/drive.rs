@@ -1,8 +1,8 @@
 //! The loop around a learner: ask, roll out in parallel, tell, look at what was learned, keep the best.
 
-use crate::rollouts::roll_out;
+use crate::rollouts::Crew;
 use crate::{
-    AutoOptions, Cost, Draws, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
+    AutoOptions, Batch, Cost, Draws, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
 };
 
 /// A way to learn.
@@ -151,6 +151,7 @@ pub fn learn<P: Problem>(
     };
     let mut go_on = observe(&history.initial);
     let mut costs = vec![Cost::default(); options.rollouts];
+    let (mut crew, mut batch) = (Crew::new(), Batch::default());
     for _ in 0..options.updates {
         if !go_on {
             history.stop = Stop::Asked;
@@ -161,9 +162,8 @@ pub fn learn<P: Problem>(
             break;
         }
         let exploration = learner.exploration();
-        let batch = learner.ask();
-        let samples: Vec<Parameters<'_>> = (0..batch.len()).map(|k| batch.sample(k)).collect();
-        roll_out(problem, Draws::Update(learner.update()), &samples, &mut costs);
+        learner.ask_into(&mut batch);
+        crew.roll_out(problem, Draws::Update(learner.update()), &batch, &mut costs);
         match learner.tell(&batch, &costs) {
             Ok(rejected) => history.rejected += rejected,
             Err(reason) => {
