@@ -17,13 +17,12 @@
 
 mod update;
 
-use hpf_core::Real as _;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
 use crate::noise::stream;
-use crate::weighting::{Costs, LANES, Pack, packs, softmax};
+use crate::weighting::{Costs, LANES, packs, softmax};
 use update::{Bases, Inputs, Rooms};
 use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, Temperature};
 
@@ -320,9 +319,9 @@ impl Pi2 {
 
     /// Lets the spread follow that of the rollouts that weigh.
     fn adapt(&mut self, batch: &Batch, costs: &[Cost], kept: &[usize]) {
-        let mut shares = vec![Pack::of(costs[kept[0]].total()); packs(kept.len())];
+        let mut shares = vec![[costs[kept[0]].total(); LANES]; packs(kept.len())];
         for (i, &k) in kept.iter().enumerate() {
-            shares[i / LANES].0[i % LANES] = costs[k].total();
+            shares[i / LANES][i % LANES] = costs[k].total();
         }
         softmax(&mut Costs { packs: &mut shares, count: kept.len() }, self.options.temperature, &mut Vec::new());
         let scale = self.exploration();
@@ -337,7 +336,7 @@ impl Pi2 {
                     if steps > 0.0 { sum / (steps * unit * unit) } else { 0.0 }
                 };
                 if unit > 0.0 {
-                    let weighted = kept.iter().zip(shares.iter().flat_map(|pack| pack.0)).map(|(&k, share)| share * mean_square(k)).sum();
+                    let weighted = kept.iter().zip(shares.as_flattened()).map(|(&k, share)| share * mean_square(k)).sum();
                     self.spread[j] = self.options.covariance.next(self.spread[j], weighted);
                 }
             }

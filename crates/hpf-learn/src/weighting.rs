@@ -4,7 +4,7 @@ use hpf_core::{Lanes, Real};
 
 /// Costs that are worked on together.
 pub(crate) const LANES: usize = 8;
-/// So many costs, one per lane.
+/// So many numbers, one per lane.
 pub(crate) type Pack = Lanes<LANES>;
 
 /// How costs become weights of the rollouts.
@@ -32,13 +32,13 @@ pub(crate) fn packs(count: usize) -> usize {
 
 /// The costs of one step: `count` of them, the lanes behind them filled with any of theirs.
 pub(crate) struct Costs<'a> {
-    pub(crate) packs: &'a mut [Pack],
+    pub(crate) packs: &'a mut [[f64; LANES]],
     pub(crate) count: usize,
 }
 
 impl Costs<'_> {
     fn at(&self, k: usize) -> f64 {
-        self.packs[k / LANES].0[k % LANES]
+        self.packs[k / LANES][k % LANES]
     }
 
     /// Nought in the lanes behind the last cost.
@@ -55,7 +55,7 @@ impl Costs<'_> {
     #[inline(always)]
     fn weigh(&self, pack: usize, sharpness: f64, min: f64, half_unit: f64) -> Pack {
         // Halves, because a difference of two finite costs may be infinite.
-        let above = Lanes::of(0.5) * self.packs[pack] - Lanes::of(0.5 * min);
+        let above = Lanes::of(0.5) * Lanes(self.packs[pack]) - Lanes::of(0.5 * min);
         self.masked(pack, (Lanes::of(-sharpness) * (above / Lanes::of(half_unit))).exp())
     }
 
@@ -94,12 +94,12 @@ impl Costs<'_> {
             let end = (first..count).find(|&i| self.at(order[i]) != cost).unwrap_or(count);
             let share = (first..end).map(weigh).sum::<f64>() / (end - first) as f64;
             for &k in &order[first..end] {
-                self.packs[k / LANES].0[k % LANES] = if sum > 0.0 { share / sum } else { 1.0 / count as f64 };
+                self.packs[k / LANES][k % LANES] = if sum > 0.0 { share / sum } else { 1.0 / count as f64 };
             }
             first = end;
         }
         for pack in 0..self.packs.len() {
-            self.packs[pack] = self.masked(pack, self.packs[pack]);
+            self.packs[pack] = self.masked(pack, Lanes(self.packs[pack])).0;
         }
     }
 }
@@ -119,7 +119,7 @@ pub(crate) fn softmax(costs: &mut Costs<'_>, temperature: Temperature, order: &m
         return costs.rank(order);
     }
     let extreme = |choose: fn(Pack, Pack) -> Pack, least: fn(f64, f64) -> f64, start: f64| {
-        costs.packs.iter().copied().fold(Pack::of(start), choose).0.into_iter().fold(start, least)
+        costs.packs.iter().map(|pack| Lanes(*pack)).fold(Pack::of(start), choose).0.into_iter().fold(start, least)
     };
     let min = extreme(Real::min, f64::min, f64::INFINITY);
     let max = extreme(Real::max, f64::max, f64::NEG_INFINITY);
@@ -136,11 +136,11 @@ pub(crate) fn softmax(costs: &mut Costs<'_>, temperature: Temperature, order: &m
     // One after the other, so that a weight of nought leaves the others alone to the last bit.
     let mut sum = 0.0;
     for pack in 0..costs.packs.len() {
-        costs.packs[pack] = costs.weigh(pack, sharpness, min, half_unit);
-        sum = costs.packs[pack].0.iter().fold(sum, |sum, weight| sum + weight);
+        costs.packs[pack] = costs.weigh(pack, sharpness, min, half_unit).0;
+        sum = costs.packs[pack].iter().fold(sum, |sum, weight| sum + weight);
     }
     let sum = Pack::of(sum);
-    costs.packs.iter_mut().for_each(|weight| *weight = *weight / sum);
+    costs.packs.iter_mut().for_each(|weights| *weights = (Lanes(*weights) / sum).0);
 }
 
 #[cfg(test)]
@@ -148,12 +148,12 @@ mod tests {
     use super::*;
 
     fn weights(costs: &[f64], temperature: Temperature) -> Vec<f64> {
-        let mut room = vec![Pack::of(costs[0]); packs(costs.len())];
+        let mut room = vec![[costs[0]; LANES]; packs(costs.len())];
         for (k, cost) in costs.iter().enumerate() {
-            room[k / LANES].0[k % LANES] = *cost;
+            room[k / LANES][k % LANES] = *cost;
         }
         softmax(&mut Costs { packs: &mut room, count: costs.len() }, temperature, &mut Vec::new());
-        let all: Vec<f64> = room.iter().flat_map(|pack| pack.0).collect();
+        let all: Vec<f64> = room.as_flattened().to_vec();
         assert!(all[costs.len()..].iter().all(|weight| *weight == 0.0), "lanes behind the costs");
         all[..costs.len()].to_vec()
     }

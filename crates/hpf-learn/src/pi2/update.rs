@@ -104,7 +104,7 @@ pub(super) struct Rooms {
     /// Rollouts whose costs are finite.
     pub(super) kept: Vec<usize>,
     /// S, then P, of the kept rollouts: steps x packs, or one row where all steps share it.
-    table: Vec<Pack>,
+    table: Vec<[f64; LANES]>,
     /// E of parameters that are constant over a rollout: kept x width.
     exploration: Vec<Pack>,
     stretches: Vec<Stretch>,
@@ -140,7 +140,7 @@ impl Rooms {
         self.sum_up(inputs, costs);
         // A sum that has become infinite or NaN stays so: the last one tells of all.
         let table = &self.table;
-        let is_finite = |k: &usize| table.get(k / LANES).is_some_and(|pack| pack.0[k % LANES].is_finite());
+        let is_finite = |k: &usize| table.get(k / LANES).is_some_and(|pack| pack[k % LANES].is_finite());
         if !self.kept.iter().all(is_finite) {
             self.kept.retain(is_finite);
             self.sum_up(inputs, costs);
@@ -153,7 +153,7 @@ impl Rooms {
         let (steps, width) = (inputs.steps, packs(self.kept.len()));
         let rows = if inputs.credit == Credit::ToGo { steps } else { 1 };
         self.table.clear();
-        self.table.resize(rows * width, Pack::ZERO);
+        self.table.resize(rows * width, [0.0; LANES]);
         for (pack, kept) in self.kept.chunks(LANES).enumerate() {
             // Lanes behind the last rollout repeat the first of theirs.
             let own: [&Cost; LANES] = core::array::from_fn(|lane| &costs[*kept.get(lane).unwrap_or(&kept[0])]);
@@ -162,7 +162,7 @@ impl Rooms {
             for t in (0..steps).rev() {
                 to_go += Lanes(running.map(|running| running[t]));
                 if rows > 1 || t == 0 {
-                    self.table[t * width + pack] = to_go;
+                    self.table[t * width + pack] = to_go.0;
                 }
             }
         }
@@ -235,9 +235,9 @@ fn stretches_of(stretches: &mut Vec<Stretch>, count: usize) -> &mut [Stretch] {
 /// The weights of the rollouts in a stretch of steps.
 enum Table<'a> {
     /// Still costs, a row per step.
-    Costs(&'a mut [Pack]),
+    Costs(&'a mut [[f64; LANES]]),
     /// One row for all steps.
-    Shared(&'a [Pack]),
+    Shared(&'a [[f64; LANES]]),
 }
 
 /// One stretch, for compilation in every set of instructions.
@@ -258,7 +258,7 @@ impl NullaryFnOnce for Work<'_> {
         let Self { inputs, kept, exploration, steps, stretch, table } = self;
         let Stretch { change, exploration: own, order } = stretch;
         let (bases, width) = (inputs.bases, packs(kept.len()));
-        let (table, pitch): (&[Pack], usize) = match table {
+        let (table, pitch): (&[[f64; LANES]], usize) = match table {
             Table::Costs(table) => {
                 for packs in table.chunks_exact_mut(width) {
                     softmax(&mut Costs { packs, count: kept.len() }, inputs.temperature, order);
@@ -269,7 +269,7 @@ impl NullaryFnOnce for Work<'_> {
         };
         change.clear();
         change.resize(bases.width, Pack::ZERO);
-        let weights_of = |t: usize| &table[(t - steps.start) * pitch..][..width];
+        let weights_of = |t: usize| &table[(t - steps.start) * pitch..][..width].as_flattened()[..kept.len()];
         if inputs.batch.rows == 1 {
             let whole = steps.start + (steps.len() / TILE) * TILE;
             for t in (steps.start..whole).step_by(TILE) {
@@ -294,35 +294,61 @@ impl NullaryFnOnce for Work<'_> {
 impl Bases {
     /// Adds what `R` steps from `t` on, with the weights of the rollouts in each, ask for.
     #[inline(always)]
-    fn add_steps<const R: usize>(&self, t: usize, shares: [&[Pack]; R], exploration: &[Pack], change: &mut [Pack]) {
-        let rows = |table: &[Pack], column: usize| -> [Pack; R] {
-            core::array::from_fn(|r| table[(t + r) * self.width + column])
-        };
+    fn add_steps<const R: usize>(&self, t: usize, shares: [&[f64]; R], exploration: &[Pack], change: &mut [Pack]) {
+        let mut step = Products { bases: self, t, shares, exploration, along: [Pack::ZERO; R], change };
         for place in &self.blocks {
-            let mut along = [Pack::ZERO; R];
-            for column in place.packs() {
-                let mut sums = [Pack::ZERO; R];
-                for (k, row) in exploration.chunks_exact(self.width).enumerate() {
-                    for (sum, shares) in sums.iter_mut().zip(shares) {
-                        *sum += Pack::of(shares[k / LANES].0[k % LANES]) * row[column];
-                    }
-                }
-                if self.features.is_empty() {
-                    for (sum, averaging) in sums.into_iter().zip(rows(&self.averaging, column)) {
-                        change[column] += averaging * sum;
-                    }
-                } else {
-                    for ((along, sum), phi) in along.iter_mut().zip(sums).zip(rows(&self.features, column)) {
-                        *along += phi * sum;
+            step.along = [Pack::ZERO; R];
+            let mut columns = place.packs();
+            while columns.len() >= 3 {
+                step.add::<3>(columns.start);
+                columns.start += 3;
+            }
+            columns.for_each(|column| step.add::<1>(column));
+            if !self.features.is_empty() {
+                let along = step.along.map(|along| Pack::of(sum_of(along)));
+                for column in place.packs() {
+                    let averaging = self.averaging[column + t * self.width..].iter().step_by(self.width);
+                    for (along, averaging) in along.into_iter().zip(averaging) {
+                        step.change[column] += *averaging * along;
                     }
                 }
             }
-            if !self.features.is_empty() {
-                let along = along.map(|along| Pack::of(sum_of(along)));
-                for column in place.packs() {
-                    for (along, averaging) in along.into_iter().zip(rows(&self.averaging, column)) {
-                        change[column] += averaging * along;
-                    }
+        }
+    }
+}
+
+/// The products of `R` steps.
+struct Products<'a, const R: usize> {
+    bases: &'a Bases,
+    t: usize,
+    shares: [&'a [f64]; R],
+    exploration: &'a [Pack],
+    /// `phi . (P E)` of a block, not yet summed over its lanes.
+    along: [Pack; R],
+    change: &'a mut [Pack],
+}
+
+impl<const R: usize> Products<'_, R> {
+    /// Takes in `C` packs from `column` on; as many sums as fit into the registers are made at a time.
+    #[inline(always)]
+    fn add<const C: usize>(&mut self, column: usize) {
+        let width = self.bases.width;
+        let mut sums = [[Pack::ZERO; C]; R];
+        for (k, row) in self.exploration.chunks_exact(width).enumerate() {
+            let row = &row[column..column + C];
+            for r in 0..R {
+                let share = Pack::of(self.shares[r][k]);
+                for c in 0..C {
+                    sums[r][c] += share * row[c];
+                }
+            }
+        }
+        for (r, sums) in sums.into_iter().enumerate() {
+            let own = (self.t + r) * width + column;
+            for (c, sum) in sums.into_iter().enumerate() {
+                match self.bases.features.get(own + c) {
+                    Some(phi) => self.along[r] += *phi * sum,
+                    None => self.change[column + c] += self.bases.averaging[own + c] * sum,
                 }
             }
         }
