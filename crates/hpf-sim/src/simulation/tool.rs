@@ -74,7 +74,7 @@ pub(super) struct Touching<'a, const N: usize> {
     forces: &'a Forces,
     model: &'a ContactModel,
     position: Lanes<N>,
-    /// A depth of the same sign as the tool's. It is written at a crossing alone, so that the processor need not wait
+    /// -1 for a free tool, else 1. It is written at a crossing alone, so that the processor need not wait
     /// for a position to work out the exponential of the next step.
     mode: Lanes<N>,
 }
@@ -83,7 +83,7 @@ impl<'a, const N: usize> Touching<'a, N> {
     #[inline(always)]
     pub(super) fn new(dt: f64, forces: &'a Forces, model: &'a ContactModel) -> Self {
         let position = Lanes::of(model.initial_position);
-        Self { dt, forces, model, position, mode: depth(&model.surfaces[0], position) }
+        Self { dt, forces, model, position, mode: mode(depth(&model.surfaces[0], position)) }
     }
 
     /// The law at sample `i`; lanes whose `mode` is negative are free.
@@ -132,8 +132,12 @@ fn depth<const N: usize>(surface: &Surface, position: Lanes<N>) -> Lanes<N> {
     position.map(|position| surface.depth(position))
 }
 
-/// As [`while_touching`] sees it: a depth that is NaN counts as touching.
+/// -1 where the depth is negative, else 1: a depth that is NaN counts as touching.
 #[inline(always)]
+fn mode<const N: usize>(depth: Lanes<N>) -> Lanes<N> {
+    depth.select_below(Lanes::ZERO, Lanes::of(-1.0), Lanes::ONE)
+}
+
 fn is_free(depth: f64) -> bool {
     depth < 0.0
 }
@@ -162,20 +166,20 @@ impl<const N: usize> Tool<N> for Touching<'_, N> {
     fn advance(&mut self, i: usize, now: &Knot<N>, next: &Knot<N>, middle: [Lanes<N>; 2]) {
         let surface = &self.model.surfaces[2 * i];
         let end = self.segment(i, [now, next], middle, self.mode).advance(self.position, 0.0, 1.0);
-        let depths = depth(surface, end);
-        let crosses = |lane: usize| is_free(self.mode.0[lane]) != is_free(depths.0[lane]);
-        if (0..N).map(|lane| u32::from(crosses(lane))).sum::<u32>() == 0 {
+        // On the surface itself counts as a crossing, which does no harm.
+        let Lanes(agreement) = self.mode * depth(surface, end);
+        if !agreement.iter().fold(false, |any, agreement| any | (*agreement <= 0.0)) {
             self.position = end;
             return;
         }
         let modes = [-1.0, 1.0].map(|mode| self.segment(i, [now, next], middle, Lanes::of(mode)));
         let mut position = end;
-        for lane in (0..N).filter(|&lane| crosses(lane)) {
+        for lane in (0..N).filter(|&lane| agreement[lane] <= 0.0) {
             let segments = modes.each_ref().map(|mode| mode.lane(lane));
             position.0[lane] = cross(self.position.0[lane], !is_free(self.mode.0[lane]), surface, segments);
         }
         self.position = position;
-        self.mode = depth(surface, position);
+        self.mode = mode(depth(surface, position));
     }
 }
 
