@@ -198,5 +198,5 @@ fn a_rollout_is_what_the_controller_of_a_robot_does() {
     };
     let [coarse, fine] = [100.0, 200.0].map(difference);
     println!("{coarse:.2e} m at 100 Hz, {fine:.2e} m at 200 Hz");
-    assert!(coarse < 2e-4 && (3.6..4.4).contains(&(coarse / fine)), "{coarse} m, {fine} m");
+    assert!(coarse < 5e-6 && (3.6..4.4).contains(&(coarse / fine)), "{coarse} m, {fine} m");
 }

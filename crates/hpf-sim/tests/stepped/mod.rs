@@ -12,6 +12,8 @@ pub fn stepped(policy: &Policy, forces: &[[f64; 2]]) -> Vec<[f64; 2]> {
         Limits { force: 1e3, offset: 10.0, velocity: 1e3, acceleration: 1e6, position: [-10.0, 10.0] };
     let mut settings = Settings::compliant([limits; 2]);
     settings.timing.longest_step = 1.0;
+    // At full speed from the first step on, as a rollout is.
+    settings.timing.ramp = 1e-9;
     let start = [policy.axes[0].start, policy.axes[1].start];
     let mut controller = Controller::new(policy.to_hybrid::<2>().unwrap(), settings, start).unwrap();
     let dt = policy.duration_s / forces.len() as f64;
