@@ -2,7 +2,8 @@
 
 use crate::rollouts::Crew;
 use crate::{
-    AutoOptions, Batch, Cost, Draws, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
+    AutoOptions, Batch, Cost, Draws, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled,
+    auto,
 };
 
 /// A way to learn.

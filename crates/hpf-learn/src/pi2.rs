@@ -23,8 +23,8 @@ use rayon::prelude::*;
 
 use crate::noise::stream;
 use crate::weighting::{Costs, LANES, packs, softmax};
-use update::{Bases, Inputs, Rooms};
 use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, Temperature};
+use update::{Bases, Inputs, Rooms};
 
 /// Which cost a step answers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -336,7 +336,8 @@ impl Pi2 {
                     if steps > 0.0 { sum / (steps * unit * unit) } else { 0.0 }
                 };
                 if unit > 0.0 {
-                    let weighted = kept.iter().zip(shares.as_flattened()).map(|(&k, share)| share * mean_square(k)).sum();
+                    let weighted =
+                        kept.iter().zip(shares.as_flattened()).map(|(&k, share)| share * mean_square(k)).sum();
                     self.spread[j] = self.options.covariance.next(self.spread[j], weighted);
                 }
             }

@@ -128,9 +128,7 @@ pub(crate) fn softmax(costs: &mut Costs<'_>, temperature: Temperature, order: &m
         Temperature::Range(h) if half_range > 0.0 => (h, half_range),
         Temperature::Range(_) => (0.0, 1.0),
         Temperature::Lambda(lambda) => (1.0, 0.5 * lambda),
-        Temperature::EffectiveSize(size) if half_range > 0.0 => {
-            (costs.sharpness_of(min, half_range, size), half_range)
-        }
+        Temperature::EffectiveSize(size) if half_range > 0.0 => (costs.sharpness_of(min, half_range, size), half_range),
         Temperature::EffectiveSize(_) | Temperature::Rank => (0.0, 1.0),
     };
     // One after the other, so that a weight of nought leaves the others alone to the last bit.
@@ -179,7 +177,10 @@ mod tests {
             let costs: Vec<f64> = (0..12).map(|k| 1.0 + (1.7 * f64::from(k)).sin()).collect();
             let weights = weights(&costs, Temperature::EffectiveSize(size));
             let effective = 1.0 / weights.iter().map(|p| p * p).sum::<f64>();
-            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-14 && (effective - size).abs() < 1e-6, "{effective}");
+            assert!(
+                (weights.iter().sum::<f64>() - 1.0).abs() < 1e-14 && (effective - size).abs() < 1e-6,
+                "{effective}"
+            );
         }
     }
 

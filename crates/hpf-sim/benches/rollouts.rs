@@ -54,9 +54,8 @@ fn batch_against_controller(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group("20 rollouts of the via point, 20 000 axis-steps");
     group.bench_function("Controller", |bencher| {
-        bencher.iter(|| {
-            policies.iter().map(|policy| stepped::stepped(policy, black_box(&forces))[499][0]).sum::<f64>()
-        });
+        bencher
+            .iter(|| policies.iter().map(|policy| stepped::stepped(policy, black_box(&forces))[499][0]).sum::<f64>());
     });
     for (name, simulation) in [("batch", simulation.clone()), ("batch, portable", simulation.clone().portable())] {
         let (mut workspace, mut costs) = (simulation.workspace(), vec![Cost::default(); samples.len()]);
@@ -77,8 +76,8 @@ fn learning(criterion: &mut Criterion) {
     for (name, text, updates, rollouts, threads) in [
         ("cantilever, 600 updates x 20 rollouts, 1 thread", CANTILEVER, 600, 20, 1),
         ("cantilever, 600 updates x 20 rollouts, 2 threads", CANTILEVER, 600, 20, 2),
-        ("cantilever, 600 updates x 64 rollouts, 1 thread", CANTILEVER, 600, 64, 1),
-        ("cantilever, 600 updates x 64 rollouts, 2 threads", CANTILEVER, 600, 64, 2),
+        ("cantilever, 30 updates x 64 rollouts, 1 thread", CANTILEVER, 30, 64, 1),
+        ("cantilever, 30 updates x 64 rollouts, 2 threads", CANTILEVER, 30, 64, 2),
         ("76 steps, 2 axes, 10 functions: 100 updates x 10 rollouts, 1 thread", SMALL, 100, 10, 1),
         ("76 steps, 2 axes, 10 functions: 100 updates x 10 rollouts, 2 threads", SMALL, 100, 10, 2),
     ] {

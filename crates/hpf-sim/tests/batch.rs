@@ -63,10 +63,8 @@ fn a_rollout_costs_the_same_alone_in_a_batch_of_any_size_and_by_its_trace() {
         let (task, policy, simulation) = prepared(text);
         let batch = samples(&simulation, &policy, 19, Exploration::Rollout);
         let parameters: Vec<_> = (0..batch.len()).map(|k| batch.sample(k)).collect();
-        let expected: Vec<Cost> = parameters
-            .iter()
-            .map(|parameters| simulation.cost(&simulation.rollout(parameters.at(0))))
-            .collect();
+        let expected: Vec<Cost> =
+            parameters.iter().map(|parameters| simulation.cost(&simulation.rollout(parameters.at(0)))).collect();
         for (k, parameters) in parameters.iter().enumerate() {
             assert_eq!(bits(&alone(&simulation, *parameters)), bits(&expected[k]), "{}: {k} alone", task.name);
         }
@@ -189,9 +187,8 @@ fn a_rollout_is_what_the_controller_of_a_robot_does() {
         let trace = Simulation::new(&task, &policy).unwrap().rollout(batch.sample(0).at(0));
         let steps = task.steps();
         let middle = |i: usize| (i as f64 + 0.5) * task.duration / steps as f64;
-        let forces: Vec<[f64; 2]> = (0..steps)
-            .map(|i| [0, 1].map(|axis| task.disturbance[axis].force(middle(i), Side::After)))
-            .collect();
+        let forces: Vec<[f64; 2]> =
+            (0..steps).map(|i| [0, 1].map(|axis| task.disturbance[axis].force(middle(i), Side::After))).collect();
         let commands = stepped::stepped(&policy, &forces);
         let far = |i: usize, axis: usize| (commands[i][axis] - trace.axes[axis].position[i + 1]).abs();
         (0..steps).flat_map(|i| [far(i, 0), far(i, 1)]).fold(0.0, f64::max)

@@ -303,7 +303,11 @@ impl Bases {
                 step.add::<3>(columns.start);
                 columns.start += 3;
             }
-            columns.for_each(|column| step.add::<1>(column));
+            match columns.len() {
+                2 => step.add::<2>(columns.start),
+                1 => step.add::<1>(columns.start),
+                _ => {}
+            }
             if !self.features.is_empty() {
                 let along = step.along.map(|along| Pack::of(sum_of(along)));
                 for column in place.packs() {

@@ -8,8 +8,7 @@ use hpf_sim::Policy;
 ///
 /// `forces` are those at mid-steps [N]: the controller holds the force that it measures over a step.
 pub fn stepped(policy: &Policy, forces: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let limits =
-        Limits { force: 1e3, offset: 10.0, velocity: 1e3, acceleration: 1e6, position: [-10.0, 10.0] };
+    let limits = Limits { force: 1e3, offset: 10.0, velocity: 1e3, acceleration: 1e6, position: [-10.0, 10.0] };
     let mut settings = Settings::compliant([limits; 2]);
     settings.timing.longest_step = 1.0;
     // At full speed from the first step on, as a rollout is.
