@@ -4,6 +4,7 @@
 
 mod cli;
 mod commands;
+mod comparison;
 mod directory;
 mod export;
 mod failure;
@@ -11,7 +12,9 @@ mod figure;
 mod files;
 mod log;
 mod overrides;
+mod packed;
 mod progress;
+pub mod readers;
 mod render;
 mod report;
 mod results;

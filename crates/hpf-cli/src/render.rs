@@ -34,7 +34,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// A measure in the unit that suits its size: millimetres for small lengths.
-fn measure(value: f64, unit: &str) -> String {
+pub fn measure(value: f64, unit: &str) -> String {
     match unit {
         "m" if value.abs() < 0.1 => format!("{} mm", number(value * 1e3)),
         "" => number(value),
@@ -161,6 +161,8 @@ pub fn task(task: &Task, parameters: usize, initial_cost: f64) -> String {
         "  learning    {parameters} parameters, {} updates of {} rollouts, at most {planned} motions",
         learning.updates, learning.rollouts
     );
+    let threads = rayon::current_num_threads();
+    let _ = writeln!(text, "  memory      at most {} MB on {threads} threads", number(task.memory(threads) / 1e6));
     let _ = writeln!(text, "  cost        {} before learning", number(initial_cost));
     text
 }

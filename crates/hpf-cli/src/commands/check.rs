@@ -38,6 +38,7 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "task", "valid": true,
             "steps": simulation.step_count(), "parameters": policy.weights().len(), "initial_cost": cost,
+            "memory_bytes": loaded.task.memory(rayon::current_num_threads()),
         });
         say(&format!("{object:#}\n"))?;
     } else {
