@@ -110,6 +110,17 @@ pub(crate) fn sum_of(pack: Pack) -> f64 {
     pack.0.iter().fold(0.0, |sum, value| sum + value)
 }
 
+/// All lanes taken together two by two, by a choice that may be made in any order.
+#[inline(always)]
+fn reduce(mut pack: Pack, choose: impl Fn(f64, f64) -> f64) -> f64 {
+    for half in [4, 2, 1] {
+        for lane in 0..half {
+            pack.0[lane] = choose(pack.0[lane], pack.0[lane + half]);
+        }
+    }
+    pack.0[0]
+}
+
 /// Turns costs into weights that sum to one, nought in the lanes behind them; equal costs get equal weights.
 ///
 /// `order` is room for the order of the costs.
@@ -118,11 +129,14 @@ pub(crate) fn softmax(costs: &mut Costs<'_>, temperature: Temperature, order: &m
     if temperature == Temperature::Rank {
         return costs.rank(order);
     }
-    let extreme = |choose: fn(Pack, Pack) -> Pack, least: fn(f64, f64) -> f64, start: f64| {
-        costs.packs.iter().map(|pack| Lanes(*pack)).fold(Pack::of(start), choose).0.into_iter().fold(start, least)
-    };
-    let min = extreme(Real::min, f64::min, f64::INFINITY);
-    let max = extreme(Real::max, f64::max, f64::NEG_INFINITY);
+    // The costs are finite: no choice here needs to care for NaN.
+    let least = |a: f64, b: f64| if b < a { b } else { a };
+    let most = |a: f64, b: f64| if b > a { b } else { a };
+    let (mut low, mut high) = (Pack::of(f64::INFINITY), Pack::of(f64::NEG_INFINITY));
+    for pack in costs.packs.iter() {
+        (low, high) = (low.zip(Lanes(*pack), least), high.zip(Lanes(*pack), most));
+    }
+    let (min, max) = (reduce(low, least), reduce(high, most));
     let half_range = 0.5 * max - 0.5 * min;
     let (sharpness, half_unit) = match temperature {
         Temperature::Range(h) if half_range > 0.0 => (h, half_range),
