@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::rollouts::roll_out;
+use crate::rollouts::Crew;
 use crate::session::{Session, Told};
 use crate::{
     AutoOptions, CmaEsOptions, Cost, GaussNewtonOptions, Note, Parameters, Pi2Error, Pi2Options, Problem, Settled,
@@ -121,6 +121,7 @@ pub enum LearnError {
 pub struct Driver<'p, P: Problem> {
     problem: &'p P,
     workspace: P::Workspace,
+    crew: Crew<P>,
     costs: Vec<Cost>,
     signals: Vec<Vec<f64>>,
 }
@@ -128,7 +129,7 @@ pub struct Driver<'p, P: Problem> {
 impl<'p, P: Problem> Driver<'p, P> {
     /// For sessions of `problem`; its memory is reused from batch to batch.
     pub fn new(problem: &'p P) -> Self {
-        Self { problem, workspace: problem.workspace(), costs: Vec::new(), signals: Vec::new() }
+        Self { problem, workspace: problem.workspace(), crew: Crew::new(), costs: Vec::new(), signals: Vec::new() }
     }
 
     /// Makes the motions asked for next and tells them; `None` where learning is over.
@@ -151,7 +152,7 @@ impl<'p, P: Problem> Driver<'p, P> {
         } else if let [sample] = ask.samples[..] {
             self.problem.rollout(ask.draws, sample, &mut self.workspace, &mut costs[0]);
         } else {
-            roll_out(self.problem, ask.draws, &ask.samples, costs);
+            self.crew.roll_out(self.problem, ask.draws, &ask.samples, costs);
         }
         session.tell(costs, signals).map(Some)
     }

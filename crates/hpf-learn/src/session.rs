@@ -80,6 +80,8 @@ pub struct Session {
     due: Due,
     /// The samples of PI2 that are rolled out.
     batch: Option<Batch>,
+    /// The batch before, for its room.
+    spare: Batch,
     history: History,
     /// Rollouts that take part in the next update of PI2 again, and how many there are at most.
     elites: Vec<Elite>,
@@ -161,6 +163,7 @@ impl Session {
             stage,
             due,
             batch: None,
+            spare: Batch::default(),
             elites: Vec::new(),
             most_elites,
             history,
@@ -181,7 +184,11 @@ impl Session {
             (Due::Evaluation { weights, .. }, _) => (Draws::HeldOut, vec![Parameters::Constant(weights)], false),
             (Due::Batch, _) if self.over.is_some() => return None,
             (Due::Batch, Stage::Pi2(learner) | Stage::Polish(learner, _)) => {
-                let batch = self.batch.get_or_insert_with(|| learner.ask());
+                let batch = self.batch.get_or_insert_with(|| {
+                    let mut batch = core::mem::take(&mut self.spare);
+                    learner.ask_into(&mut batch);
+                    batch
+                });
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
                 (Draws::Update(learner.update()), samples, false)
             }
@@ -268,7 +275,7 @@ impl Session {
             let best = offers.min_by(|a, b| a.1.total().total_cmp(&b.1.total()))?;
             Some((batch.sample(best.0).at(0).to_vec(), Price::from(best.1)))
         };
-        Ok(Record::Update {
+        let record = Record::Update {
             update: learner.update(),
             weights: learner.weights().to_vec(),
             spread: learner.spread().to_vec(),
@@ -276,7 +283,9 @@ impl Session {
             rejected,
             cheapest: if are_evaluations { cheapest() } else { None },
             elites,
-        })
+        };
+        self.spare = batch;
+        Ok(record)
     }
 
     fn failed(&self, reason: Pi2Error) -> LearnError {

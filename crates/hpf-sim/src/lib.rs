@@ -22,7 +22,7 @@ pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS};
 pub use demonstration::{Demonstration, Imitated, Imitation, ImitationError};
 pub use metrics::Metric;
 pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
-pub use simulation::{Simulation, SimulationError};
+pub use simulation::{Simulation, SimulationError, Workspace};
 pub use start::StartError;
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

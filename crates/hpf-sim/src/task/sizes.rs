@@ -11,6 +11,8 @@
 //! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
 //! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
 //! ```
+//! The learner keeps the functions of a block, and the rollouts, in packs of 8 numbers: where there are fewer, it needs as
+//! much as for 8.
 
 use super::{ExplorationKind, MAX_NUMBERS, Method, PerAxis, Preset, Task};
 
@@ -19,6 +21,8 @@ pub const MAX_MEMORY: f64 = 4e9;
 
 /// Numbers of a row of `learning.csv`.
 const ROW: f64 = 12.0;
+/// Numbers that the learner works on together.
+const PACK: usize = 8;
 /// Signals of an axis in a trajectory.
 const SIGNALS: f64 = 7.0;
 /// Trajectories at work at once beside those kept: a blank one, two of evaluations, and a table being written as text.
@@ -60,17 +64,24 @@ impl Task {
         let (steps, axes, rollouts) = (self.step_numbers(), self.axis.len() as f64, learning.rollouts as f64);
         let functions = [self.movement.basis, self.stiffness.basis, self.damping.basis];
         let parameters = axes * functions.iter().map(|&count| count as f64).sum::<f64>();
+        let packed = axes * functions.iter().map(|count| count.next_multiple_of(PACK) as f64).sum::<f64>();
+        let packed_rollouts = learning.rollouts.next_multiple_of(PACK) as f64;
         let trajectory = SIGNALS * axes * steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
         let mut tables = vec![
-            table("rate", "parameters at every step", steps * parameters, 6.0),
+            table("rate", "parameters at every step", steps * parameters, 4.0 + 2.0 * packed / parameters),
             table(
                 "output.snapshots",
                 "signals of every kept trajectory",
                 trajectory * (1.0 + self.output.snapshots.len() as f64),
                 1.0,
             ),
-            table("learning.rollouts", "costs of every rollout and step", steps * rollouts, 2.0),
+            table(
+                "learning.rollouts",
+                "costs of every rollout and step",
+                steps * rollouts,
+                1.0 + 2.0 * packed_rollouts / rollouts,
+            ),
             table("learning.updates", "rows of learning", ROW * learning.updates as f64, 4.0),
         ];
         if learning.method == Method::Pi2 {
