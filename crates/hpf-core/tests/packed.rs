@@ -10,7 +10,7 @@ const FUNCTIONS: [u16; 3] = [4, 3, 2];
 
 /// A head and its numbers: two axes, each list another.
 fn example(scalar: Scalar) -> (Head, Vec<f64>) {
-    let head = Head { scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10 };
+    let head = Head { scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10, in_time: [false; 3] };
     let mut numbers = vec![1.7, 4.605];
     for count in FUNCTIONS.map(f64::from) {
         numbers.extend((0..count as usize).map(|i| 1.0 - i as f64 / count));
@@ -154,7 +154,7 @@ proptest! {
         noise in vec(any::<f64>(), 1..40),
     ) {
         let scalar = if wide { Scalar::Double } else { Scalar::Single };
-        let head = Head { scalar, axes, functions, rotary: 0 };
+        let head = Head { scalar, axes, functions, rotary: 0, in_time: [false; 3] };
         let mut bytes = vec![0; head.length()];
         head.pack(vec![0.5; head.numbers()], &mut bytes).unwrap();
         let last = bytes.len() - 4;

@@ -18,7 +18,10 @@ mod trace;
 
 pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS};
 pub use metrics::Metric;
-pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
+pub use policy::{
+    AdmittancePolicy, AxisPolicy, Family, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyBasis,
+    PolicyError, Provenance,
+};
 pub use simulation::{Simulation, SimulationError};
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

@@ -4,6 +4,7 @@
 //! below are the file format: [`Task::schema`] and the checks are made from them, so that neither can fall behind.
 //! SI units; a per-axis value is one number for all axes or an array in axis order.
 
+mod basis;
 mod keys;
 mod learning;
 mod rules;
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::environment::{Contact, Disturbance};
 
+pub use basis::{BasisFamily, BasisFunctions, BasisTable};
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
     TemperatureKind,
@@ -130,9 +132,8 @@ impl Default for Phase {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Movement {
-    /// Number of basis functions.
-    #[schemars(range(min = 2, max = 1000))]
-    pub basis: usize,
+    /// Basis functions: their number, or their family with it.
+    pub basis: BasisFunctions,
     /// Value of a basis function at its neighbour's center.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub overlap: f64,
@@ -145,7 +146,7 @@ pub struct Movement {
 impl Default for Movement {
     fn default() -> Self {
         Self {
-            basis: 20,
+            basis: BasisFunctions::default(),
             overlap: hpf_core::basis::DEFAULT_OVERLAP,
             alpha: PerAxis::All(hpf_core::movement::DEFAULT_ALPHA),
             scaling: Scaling::Named(NamedScaling::Goal),
@@ -185,10 +186,9 @@ pub struct Amplitude {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
 pub struct Gain {
-    /// Number of basis functions.
-    #[serde(default = "default_basis")]
-    #[schemars(range(min = 2, max = 1000))]
-    pub basis: usize,
+    /// Basis functions: their number, or their family with it.
+    #[serde(default)]
+    pub basis: BasisFunctions,
     /// Value of a basis function at its neighbour's center.
     #[serde(default = "default_overlap")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
@@ -201,10 +201,6 @@ pub struct Gain {
     pub max: PerAxis,
 }
 
-fn default_basis() -> usize {
-    20
-}
-
 fn default_overlap() -> f64 {
     hpf_core::basis::DEFAULT_OVERLAP
 }
@@ -214,14 +210,16 @@ fn default_overlap() -> f64 {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Admittance {
-    /// Order of the law: 1, `d e' + k e = f`.
-    #[schemars(range(min = 1, max = 1))]
+    /// Order of the law: 1, `d e' + k e = f`, or 2, `m e'' + d e' + k e = f`.
+    #[schemars(range(min = 1, max = 2))]
     pub order: u8,
+    /// Virtual mass m of the law of order 2 [kg or kg m^2], above 0.
+    pub mass: Option<PerAxis>,
 }
 
 impl Default for Admittance {
     fn default() -> Self {
-        Self { order: 1 }
+        Self { order: 1, mass: None }
     }
 }
 

@@ -28,7 +28,7 @@ fn every_shipped_task_is_accepted_and_can_be_simulated() {
 #[test]
 fn what_is_left_out_has_the_papers_value() {
     let task = Task::parse(REACH).unwrap();
-    assert_eq!((task.movement.basis, task.stiffness.basis, task.admittance.order), (20, 20, 1));
+    assert_eq!((task.movement.basis.count(), task.stiffness.basis.count(), task.admittance.order), (20, 20, 1));
     assert_eq!(task.movement.alpha, PerAxis::All(25.0));
     assert!((task.phase.decay - 100.0_f64.ln()).abs() < 1e-15);
     assert!(task.contact.is_none() && task.via_point.is_empty());

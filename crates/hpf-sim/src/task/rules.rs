@@ -18,6 +18,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     rules.gain("stiffness", &task.stiffness);
     rules.gain("damping", &task.damping);
     rules.scaling();
+    rules.admittance();
     if named {
         rules.environment();
     }
@@ -94,6 +95,9 @@ impl Rules<'_, '_, '_> {
     fn per_axis(&mut self) {
         let task = self.task;
         let mut values = vec![("movement.alpha", &task.movement.alpha, true)];
+        if let Some(mass) = &task.admittance.mass {
+            values.push(("admittance.mass", mass, true));
+        }
         if let Scaling::Given(given) = &task.movement.scaling {
             self.axis_count("movement.scaling.amplitude", &given.amplitude);
             for (i, _) in given.amplitude.values().iter().enumerate().filter(|(_, scale)| **scale == 0.0) {
@@ -190,6 +194,21 @@ impl Rules<'_, '_, '_> {
         }
     }
 
+    fn admittance(&mut self) {
+        let admittance = &self.task.admittance;
+        match (admittance.order, &admittance.mass) {
+            (2, None) => {
+                let help = "add `mass`, one number for all axes or an array with one per axis";
+                self.say("admittance.order", "a law of order 2 has a mass, and none is given", help);
+            }
+            (1, Some(_)) => {
+                let help = "set order = 2, or leave `mass` out";
+                self.say("admittance.mass", "a law of order 1 has no mass", help);
+            }
+            _ => {}
+        }
+    }
+
     fn environment(&mut self) {
         let names: Vec<&str> = self.task.axis.iter().map(|axis| axis.name.as_str()).collect();
         let disturbances =
@@ -269,7 +288,7 @@ impl Rules<'_, '_, '_> {
         let (task, learning) = (self.task, &self.task.learning);
         let steps = (task.duration * task.rate).round();
         let bases = [task.movement.basis, task.stiffness.basis, task.damping.basis];
-        let parameters = task.axis.len() as f64 * bases.iter().map(|&count| count as f64).sum::<f64>();
+        let parameters = task.axis.len() as f64 * bases.iter().map(|basis| basis.count() as f64).sum::<f64>();
         let rollouts = learning.rollouts as f64;
         // Seven signals per axis, in every trajectory that is kept.
         let signals = 7.0 * task.axis.len() as f64 * (1.0 + task.output.snapshots.len() as f64);
