@@ -8,7 +8,7 @@ use hpf_learn::{
     AutoOptions, Block, Cost, Draws, GaussNewtonOptions, History, LearnError, Method, Parameters, Pi2Options, Problem,
     SignalModel, learn_with,
 };
-use hpf_sim::{Policy, Simulation, Task, Trace};
+use hpf_sim::{Policy, Simulation, Task, Workspace};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const CANTILEVER: &str = include_str!("../../../tasks/cantilever.toml");
@@ -46,7 +46,7 @@ impl View<'_> {
 }
 
 impl Problem for View<'_> {
-    type Workspace = Trace;
+    type Workspace = Workspace;
 
     fn blocks(&self) -> &[Block] {
         self.simulation.blocks()
@@ -60,12 +60,12 @@ impl Problem for View<'_> {
         self.simulation.terms()
     }
 
-    fn workspace(&self) -> Trace {
+    fn workspace(&self) -> Workspace {
         self.simulation.workspace()
     }
 
-    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
-        Problem::rollout(self.simulation, draws, parameters, trace, cost);
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Workspace, cost: &mut Cost) {
+        Problem::rollout(self.simulation, draws, parameters, workspace, cost);
     }
 
     fn signals(&self) -> Option<&SignalModel> {
@@ -76,12 +76,12 @@ impl Problem for View<'_> {
         &self,
         draws: Draws,
         parameters: Parameters<'_>,
-        trace: &mut Trace,
+        workspace: &mut Workspace,
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        self.simulation.measure(draws, parameters, trace, cost, signals);
-        if let Seen::Noisy(deviation) = self.seen {
+        self.simulation.measure(draws, parameters, workspace, cost, signals);
+        if let (Seen::Noisy(deviation), Some(trace)) = (self.seen, &mut workspace.trace) {
             // One thread makes the rollouts of a view with noise, so the count is the same in every run.
             let stream = self.rollouts.fetch_add(1, Ordering::Relaxed) << 32;
             for (a, axis) in trace.axes.iter_mut().enumerate() {

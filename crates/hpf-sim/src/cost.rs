@@ -13,10 +13,14 @@
 //! Every term is a square, so the cost is `1/2 |rho|^2` of weighted signals rho and of what k and d cost: linear in
 //! the weights, those need no measuring and are a quadratic form of the weights instead.
 
-use hpf_learn::{Cost, SignalGroup};
+mod meter;
+
+use hpf_learn::SignalGroup;
 
 use crate::task::{PerAxis, Task};
 use crate::trace::Trace;
+pub(crate) use meter::Bill;
+use meter::AxisPrices;
 
 /// A term of the cost; its name is its key in the task file, and its column in every table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +64,8 @@ impl Term {
 /// The weights of a task's cost, and what its terms measure against.
 #[derive(Clone, Debug)]
 pub(crate) struct CostModel {
+    /// What one axis after the other is measured by, step by step.
+    axes: Vec<AxisPrices>,
     goal: Vec<f64>,
     via: Vec<(f64, Vec<f64>)>,
     goal_weight: Vec<f64>,
@@ -78,6 +84,7 @@ impl CostModel {
         let spread = |value: &PerAxis| (0..axes).map(|i| value.of(i)).collect();
         let cost = &task.cost;
         Self {
+            axes: (0..axes).map(|a| AxisPrices::new(task, a)).collect(),
             goal: task.axis.iter().map(|axis| axis.goal).collect(),
             via: task.via_point.iter().map(|via| (via.time, via.position.clone())).collect(),
             goal_weight: spread(&cost.goal),
@@ -88,57 +95,6 @@ impl CostModel {
             acceleration_weight: spread(&cost.acceleration),
             stiffness_weight: spread(&cost.stiffness),
             damping_weight: spread(&cost.damping),
-        }
-    }
-
-    /// Writes what `trace` costs.
-    pub(crate) fn evaluate(&self, trace: &Trace, cost: &mut Cost) {
-        let (steps, dt) = (trace.steps(), trace.dt());
-        cost.running.clear();
-        cost.running.resize(steps, 0.0);
-        cost.terms.clear();
-        cost.terms.resize(Term::ALL.len(), 0.0);
-        cost.terminal = 0.0;
-        for (a, axis) in trace.axes.iter().enumerate() {
-            let end = |weight: f64, error: f64| 0.5 * weight * error * error;
-            let goal = end(self.goal_weight[a], axis.position[steps] - self.goal[a]);
-            let end_velocity = end(self.end_velocity_weight[a], axis.velocity[steps]);
-            cost.terminal += goal + end_velocity;
-            cost.terms[Term::Goal as usize] += goal;
-            cost.terms[Term::EndVelocity as usize] += end_velocity;
-
-            for (time, position) in &self.via {
-                let via = end(self.via_weight[a], trace.sample(&axis.position, *time) - position[a]);
-                // The step that ends at or after the via point answers for it, with all before it.
-                let step = ((time / dt - 1e-6).ceil() as usize).clamp(1, steps) - 1;
-                cost.running[step] += via;
-                cost.terms[Term::ViaPoint as usize] += via;
-            }
-
-            let weight = self.acceleration_weight[a];
-            if weight > 0.0 {
-                let squares = axis.acceleration(dt).map(|a| a * a);
-                add_running(cost, Term::Acceleration, 0.5 * weight * dt, squares);
-            }
-            let gains = [
-                (Term::Stiffness, self.stiffness_weight[a], &axis.stiffness),
-                (Term::Damping, self.damping_weight[a], &axis.damping),
-            ];
-            for (term, weight, signal) in gains {
-                if weight > 0.0 {
-                    add_running(cost, term, 0.5 * weight * dt, mean_squares(signal.iter().copied()));
-                }
-            }
-        }
-        if let Some(contact) = &trace.contact {
-            if self.tracking_weight > 0.0 {
-                let squares = mean_squares(contact.deviation.iter().copied());
-                add_running(cost, Term::Tracking, 0.5 * self.tracking_weight * dt, squares);
-            }
-            if self.contact_force_weight > 0.0 {
-                let squares = mean_squares(contact.force.iter().map(|force| force - contact.set_point));
-                add_running(cost, Term::ContactForce, 0.5 * self.contact_force_weight * dt, squares);
-            }
         }
     }
 }
@@ -217,19 +173,4 @@ impl CostModel {
 /// Share of a step that each sample stands for: the trapezoid rule.
 fn trapezoid(steps: usize) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |i| if i == 0 || i == steps { 0.5 } else { 1.0 })
-}
-
-/// Mean of the squares at both ends of each step: the trapezoid rule.
-fn mean_squares(signal: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item = f64> {
-    signal.clone().zip(signal.skip(1)).map(|(now, next)| 0.5 * (now * now + next * next))
-}
-
-fn add_running(cost: &mut Cost, term: Term, factor: f64, squares: impl Iterator<Item = f64>) {
-    let mut sum = 0.0;
-    for (slot, square) in cost.running.iter_mut().zip(squares) {
-        let value = factor * square;
-        *slot += value;
-        sum += value;
-    }
-    cost.terms[term as usize] += sum;
 }

@@ -22,6 +22,6 @@ pub use policy::{
     AdmittancePolicy, AxisPolicy, Family, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyBasis,
     PolicyError, Provenance,
 };
-pub use simulation::{Simulation, SimulationError};
+pub use simulation::{Simulation, SimulationError, Workspace};
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

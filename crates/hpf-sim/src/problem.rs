@@ -1,5 +1,7 @@
 //! A simulation as something to learn.
 
+use core::slice;
+
 use hpf_learn::{
     Anneal, AutoOptions, Block, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters,
     Pi2Options, Problem, SignalModel, Temperature, fit,
@@ -7,12 +9,11 @@ use hpf_learn::{
 
 use crate::environment::cantilever::minimum_jerk;
 use crate::policy::Policy;
-use crate::simulation::Simulation;
+use crate::simulation::{LANES, Simulation, Workspace};
 use crate::task::{self, AnnealKind, CreditKind, ExplorationKind, InitialPath, Learning, Preset, TemperatureKind};
-use crate::trace::Trace;
 
 impl Problem for Simulation {
-    type Workspace = Trace;
+    type Workspace = Workspace;
 
     fn blocks(&self) -> &[Block] {
         &self.blocks
@@ -26,13 +27,20 @@ impl Problem for Simulation {
         self.term_names()
     }
 
-    fn workspace(&self) -> Trace {
-        self.blank_trace()
+    fn workspace(&self) -> Workspace {
+        Workspace::default()
     }
 
-    fn rollout(&self, _: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
-        self.rollout_into(parameters, trace);
-        self.cost_into(trace, cost);
+    fn rollout(&self, _: Draws, parameters: Parameters<'_>, workspace: &mut Workspace, cost: &mut Cost) {
+        self.roll_costs(&[parameters], workspace, slice::from_mut(cost));
+    }
+
+    fn together(&self) -> usize {
+        LANES
+    }
+
+    fn rollouts(&self, _: Draws, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
+        self.roll_costs(parameters, workspace, costs);
     }
 
     fn signals(&self) -> Option<&SignalModel> {
@@ -41,13 +49,15 @@ impl Problem for Simulation {
 
     fn measure(
         &self,
-        draws: Draws,
+        _: Draws,
         parameters: Parameters<'_>,
-        trace: &mut Trace,
+        workspace: &mut Workspace,
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        Problem::rollout(self, draws, parameters, trace, cost);
+        let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
+        self.rollout_into(parameters, trace);
+        self.cost_into(trace, cost);
         self.signals_into(trace, signals);
     }
 }

@@ -4,17 +4,38 @@
 //! the tables. Each step goes through the kernels of `hpf-core` that a control loop runs: [`Transition`] for the
 //! reference, [`relax`] for the tool. Known forces run linearly over a step and contacts are solved together with
 //! the admittance law; where the tool meets or leaves a surface inside a step, the step is split there.
+//!
+//! There is one implementation, over [`Lanes`]: a batch is stepped in several, one rollout with a trace in one. Each
+//! lane has the same bits in both.
+//!
+//! [`Transition`]: hpf_core::Transition
+//! [`relax`]: hpf_core::admittance::relax
+//! [`Lanes`]: hpf_core::Lanes
 
-use hpf_core::admittance::{Instant, relax};
-use hpf_core::{Basis, ConfigError, Movement, Transition};
+mod batch;
+mod blocks;
+mod motion;
+mod profiles;
+mod table;
+mod tool;
+
+use hpf_core::{ConfigError, Lanes};
 use hpf_learn::{Block, Cost, Parameters, SignalModel};
 
 use crate::cost::{CostModel, Term};
+use crate::environment::Disturbance;
 use crate::environment::disturbance::Side;
-use crate::environment::{Disturbance, Surface};
 use crate::policy::Policy;
 use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
+use motion::{Reference, roll};
+use profiles::{Profiles, Tables};
+use table::Table;
+use tool::{ContactModel, Free, Touching};
+
+pub(crate) use batch::LANES;
+pub use batch::Workspace;
+pub(crate) use motion::{Sample, Sink};
 
 /// Why a skill cannot be simulated in a task.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,67 +76,25 @@ pub struct Simulation {
     pub(crate) task: Task,
     blank: Trace,
     dt: f64,
-    duration: f64,
-    /// `phi_i` at mid-steps: steps x n.
-    movement: Table,
-    /// `phi_i` at half steps: (2 steps + 1) x n.
-    stiffness: Table,
-    damping: Table,
+    tables: Tables,
     /// Phase at mid-steps.
     middle_phase: Vec<f64>,
     axes: Vec<AxisModel>,
     contact: Option<ContactModel>,
     cost: CostModel,
     pub(crate) signals: SignalModel,
-}
-
-/// Basis functions by row: one row per instant.
-#[derive(Clone, Debug)]
-struct Table {
-    count: usize,
-    rows: Vec<f64>,
-}
-
-impl Table {
-    fn new(basis: &Basis<f64, Vec<f64>>, phases: impl Iterator<Item = f64>) -> Self {
-        let mut table = Self { count: basis.count(), rows: Vec::new() };
-        for phase in phases {
-            let start = table.rows.len();
-            table.rows.resize(start + table.count, 0.0);
-            basis.features_into(phase, &mut table.rows[start..]);
-        }
-        table
-    }
-
-    /// The rows of whole steps.
-    fn samples(&self) -> Vec<&[f64]> {
-        self.rows.chunks_exact(self.count).step_by(2).collect()
-    }
-
-    #[inline]
-    fn mix(&self, row: usize, weights: &[f64]) -> f64 {
-        let features = &self.rows[row * self.count..(row + 1) * self.count];
-        features.iter().zip(weights).map(|(phi, w)| phi * w).sum()
-    }
+    instructions: pulp::Arch,
 }
 
 /// What a rollout needs of one axis.
 #[derive(Clone, Debug)]
 struct AxisModel {
-    movement: Movement<f64, [f64; 0]>,
-    transition: Transition<f64>,
+    alone: Reference<1>,
+    together: Reference<LANES>,
     /// Where its parameters start, and where each primitive's ends.
     parameters: [usize; 4],
     /// Disturbing force just after the start and just before the end of each step, and after the last.
     force: Vec<(f64, f64)>,
-}
-
-#[derive(Clone, Debug)]
-struct ContactModel {
-    axis: usize,
-    initial_position: f64,
-    /// At every half step.
-    surfaces: Vec<Surface>,
 }
 
 impl Simulation {
@@ -160,9 +139,10 @@ impl Simulation {
             let force = |time: f64, side: Side| acting.iter().map(|d| d.force(time, side)).sum::<f64>();
             let after = |i: usize| force(time[i], Side::After);
             let steps_force = (0..steps).map(|i| (after(i), force(time[i + 1], Side::Before)));
+            let numbers = [axis.start, axis.goal, m.alpha, m.forcing_scale];
             axes.push(AxisModel {
-                movement: Movement::new(axis.start, axis.goal, m.alpha, m.forcing_scale, [])?,
-                transition: Transition::new(m.alpha, dt / duration),
+                alone: Reference::new(numbers, dt, duration)?,
+                together: Reference::new(numbers, dt, duration)?,
                 parameters: ends,
                 force: steps_force.chain([(after(steps), after(steps))]).collect(),
             });
@@ -192,11 +172,14 @@ impl Simulation {
             time,
         };
         let cost = CostModel::new(task);
-        let stiffness = Table::new(&bases[1], half_steps.iter().copied());
-        let damping = Table::new(&bases[2], half_steps.iter().copied());
+        let tables = Tables {
+            movement: Table::new(&bases[0], middle_phase.iter().copied()),
+            stiffness: Table::new(&bases[1], half_steps.iter().copied()),
+            damping: Table::new(&bases[2], half_steps.iter().copied()),
+        };
         let counts: Vec<usize> = axes.iter().map(|axis| axis.parameters[3] - axis.parameters[0]).collect();
         let prices = |a| {
-            let [stiffness, damping] = cost.gain_prices(a, &stiffness.samples(), &damping.samples(), dt);
+            let [stiffness, damping] = cost.gain_prices(a, &tables.stiffness.samples(), &tables.damping.samples(), dt);
             [Vec::new(), stiffness, damping]
         };
         let signals = SignalModel {
@@ -204,20 +187,26 @@ impl Simulation {
             price: (0..axes.len()).flat_map(prices).collect(),
         };
         Ok(Self {
-            blocks: blocks(task, policy, &bases, &middle_phase),
+            blocks: blocks::blocks(task, policy, &bases, &middle_phase),
             task: task.clone(),
             blank,
             dt,
-            duration,
-            movement: Table::new(&bases[0], middle_phase.iter().copied()),
-            stiffness,
-            damping,
+            tables,
             middle_phase,
             axes,
             contact,
             cost,
             signals,
+            instructions: pulp::Arch::new(),
         })
+    }
+
+    /// The same simulation in the instructions that every processor has, for comparison: it is slower, and every
+    /// number is the same.
+    #[must_use]
+    pub fn portable(mut self) -> Self {
+        self.instructions = pulp::Arch::Scalar;
+        self
     }
 
     /// Steps of one rollout.
@@ -262,189 +251,58 @@ impl Simulation {
     /// Writes the motion of the skill with `parameters` into `trace`.
     pub fn rollout_into(&self, parameters: Parameters<'_>, trace: &mut Trace) {
         for (a, (model, axis)) in self.axes.iter().zip(&mut trace.axes).enumerate() {
-            let [start, movement_end, stiffness_end, end] = model.parameters;
-            let steps = self.step_count();
-            for i in 0..=steps {
-                let row = parameters.at(i);
-                axis.stiffness[i] = self.stiffness.mix(2 * i, &row[movement_end..stiffness_end]);
-                axis.damping[i] = self.damping.mix(2 * i, &row[stiffness_end..end]);
-            }
-            self.roll_reference(model, |i| &parameters.at(i)[start..movement_end], axis);
-            let middle = |i: usize| {
-                let row = parameters.at(i);
-                let stiffness = self.stiffness.mix(2 * i + 1, &row[movement_end..stiffness_end]);
-                (stiffness, self.damping.mix(2 * i + 1, &row[stiffness_end..end]))
-            };
-            match (&self.contact, &mut trace.contact) {
-                (Some(contact), Some(signals)) if contact.axis == a => {
-                    self.roll_contact(model, contact, middle, axis, signals);
-                }
-                _ => self.roll_offset(model, middle, axis),
-            }
+            let contact = trace.contact.as_mut().filter(|contact| contact.axis == a);
+            let profiles = self.rowwise(model, parameters);
+            self.roll_axis(a, &model.alone, &profiles, Recorder { axis, contact });
         }
     }
 
-    /// The reference motion of one axis.
-    fn roll_reference<'p>(&self, model: &AxisModel, weights: impl Fn(usize) -> &'p [f64], axis: &mut AxisTrace) {
-        let mut state = model.movement.initial_state();
-        axis.reference_position[0] = state.position;
-        axis.reference_velocity[0] = state.scaled_velocity / self.duration;
-        for (i, &phase) in self.middle_phase.iter().enumerate() {
-            let forcing = model.movement.forcing(phase, self.movement.mix(i, weights(i)));
-            model.transition.apply(&mut state, model.movement.goal(), forcing);
-            axis.reference_position[i + 1] = state.position;
-            axis.reference_velocity[i + 1] = state.scaled_velocity / self.duration;
-        }
+    /// Number of parameters of all axes.
+    fn parameter_count(&self) -> usize {
+        self.axes.last().map_or(0, |axis| axis.parameters[3])
     }
 
-    /// The tool of an axis that touches nothing: the law of the offset, the reference being exact.
-    fn roll_offset(&self, model: &AxisModel, middle: impl Fn(usize) -> (f64, f64), axis: &mut AxisTrace) {
-        let instant = |axis: &AxisTrace, i: usize, force: f64| Instant {
-            stiffness: axis.stiffness[i],
-            damping: axis.damping[i],
-            reference_position: 0.0,
-            reference_velocity: 0.0,
-            load_force: force,
-            load_stiffness: 0.0,
-        };
-        let mut offset = 0.0;
-        for i in 0..=self.step_count() {
-            let (after, before_next) = model.force[i];
-            let now = instant(axis, i, after);
-            axis.force[i] = after;
-            axis.position[i] = axis.reference_position[i] + offset;
-            axis.velocity[i] = axis.reference_velocity[i] + now.velocity(offset);
-            if i < self.step_count() {
-                let next = instant(axis, i + 1, before_next);
-                let (stiffness, damping) = middle(i);
-                offset = relax(offset, now.target(), next.target(), stiffness / damping * self.dt);
-            }
-        }
-    }
-
-    /// The tool of an axis in contact: the coupled law of its position, split where it meets or leaves the surface.
-    fn roll_contact(
+    /// The motion of axis `a`, each sample handed to `sink`.
+    #[inline(always)]
+    fn roll_axis<const N: usize>(
         &self,
-        model: &AxisModel,
-        contact: &ContactModel,
-        middle: impl Fn(usize) -> (f64, f64),
-        axis: &mut AxisTrace,
-        signals: &mut ContactTrace,
+        a: usize,
+        reference: &Reference<N>,
+        profiles: &impl Profiles<N>,
+        sink: impl Sink<N>,
     ) {
-        let instant = |axis: &AxisTrace, i: usize, force: f64, touching: bool| {
-            let surface = &contact.surfaces[2 * i];
-            let load_stiffness = if touching { surface.stiffness } else { 0.0 };
-            Instant {
-                stiffness: axis.stiffness[i],
-                damping: axis.damping[i],
-                reference_position: axis.reference_position[i],
-                reference_velocity: axis.reference_velocity[i],
-                load_force: force + surface.direction * surface.set_point + load_stiffness * surface.position,
-                load_stiffness,
+        let forces = &self.axes[a].force;
+        match self.contact.as_ref().filter(|contact| contact.axis == a) {
+            Some(contact) => {
+                roll(reference, &self.middle_phase, profiles, Touching::new(self.dt, forces, contact), sink);
             }
-        };
-        let mut position = contact.initial_position;
-        for i in 0..=self.step_count() {
-            let surface = &contact.surfaces[2 * i];
-            let (after, before_next) = model.force[i];
-            let touching = surface.depth(position) >= 0.0;
-            let now = instant(axis, i, after, touching);
-            axis.force[i] = now.force(position);
-            axis.position[i] = position;
-            axis.velocity[i] = now.velocity(position);
-            signals.deviation[i] = surface.deviation(position);
-            signals.force[i] = surface.contact_force(position);
-            if i < self.step_count() {
-                let (stiffness, damping) = middle(i);
-                position = cross(position, touching, surface, |touching| {
-                    let ends = [instant(axis, i, after, touching), instant(axis, i + 1, before_next, touching)];
-                    let load_stiffness = if touching { contact.surfaces[2 * i + 1].stiffness } else { 0.0 };
-                    let lambda = (stiffness + load_stiffness) / damping;
-                    Segment { start: ends[0].target(), end: ends[1].target(), lambda_dt: lambda * self.dt }
-                });
-            }
+            None => roll(reference, &self.middle_phase, profiles, Free::new(self.dt, forces), sink),
         }
     }
 }
 
-/// One step in one mode, touching or free: the target at both ends and lambda times the step.
-#[derive(Clone, Copy)]
-struct Segment {
-    start: f64,
-    end: f64,
-    lambda_dt: f64,
+/// Writes the samples of one axis into its trace.
+struct Recorder<'a> {
+    axis: &'a mut AxisTrace,
+    contact: Option<&'a mut ContactTrace>,
 }
 
-impl Segment {
-    /// The position at share `to` of the step, from `position` at share `from`.
-    fn advance(&self, position: f64, from: f64, to: f64) -> f64 {
-        let target = |share: f64| self.start + share * (self.end - self.start);
-        relax(position, target(from), target(to), self.lambda_dt * (to - from))
-    }
-}
-
-/// A step may meet or leave the surface this often; a motion that does so more often within one step is not resolved.
-const MOST_CROSSINGS: usize = 8;
-
-/// Advances `position` by one step, changing between touching and free where the surface is crossed.
-fn cross(mut position: f64, mut touching: bool, surface: &Surface, segment: impl Fn(bool) -> Segment) -> f64 {
-    let mut done = 0.0;
-    for _ in 0..MOST_CROSSINGS {
-        let mode = segment(touching);
-        let end = mode.advance(position, done, 1.0);
-        let inside = surface.depth(end) >= 0.0;
-        if inside == touching || done >= 1.0 {
-            return end;
+impl Sink<1> for Recorder<'_> {
+    fn take(&mut self, i: usize, sample: &Sample<1>) {
+        let axis = &mut *self.axis;
+        for (signal, Lanes([value])) in [
+            (&mut axis.reference_position, sample.reference_position),
+            (&mut axis.reference_velocity, sample.reference_velocity),
+            (&mut axis.position, sample.position),
+            (&mut axis.velocity, sample.velocity),
+            (&mut axis.force, sample.force),
+            (&mut axis.stiffness, sample.stiffness),
+            (&mut axis.damping, sample.damping),
+        ] {
+            signal[i] = value;
         }
-        let (mut before, mut after) = (done, 1.0);
-        // Halving an interval of at most 1 this often leaves nothing between its ends.
-        for _ in 0..f64::MANTISSA_DIGITS {
-            let share = 0.5 * (before + after);
-            if (surface.depth(mode.advance(position, done, share)) >= 0.0) == touching {
-                before = share;
-            } else {
-                after = share;
-            }
-        }
-        (position, done, touching) = (surface.position, after, !touching);
-    }
-    segment(touching).advance(position, done, 1.0)
-}
-
-/// The parameters of `policy` as the learner sees them: three blocks per axis.
-fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>; 3], phases: &[f64]) -> Vec<Block> {
-    let tables = bases.each_ref().map(|basis| {
-        let mut features = vec![0.0; phases.len() * basis.count()];
-        let mut activations = features.clone();
-        let rows = features.chunks_exact_mut(basis.count()).zip(activations.chunks_exact_mut(basis.count()));
-        for ((features, activations), &phase) in rows.zip(phases) {
-            basis.features_into(phase, features);
-            basis.activations_into(phase, activations);
-        }
-        (features, activations)
-    });
-    let noise = &task.learning.noise;
-    let mut blocks = Vec::new();
-    for (a, axis) in policy.axes.iter().enumerate() {
-        let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
-        let primitives = [
-            ("movement", unbounded, &noise.movement),
-            ("stiffness", (axis.stiffness.min, axis.stiffness.max), &noise.stiffness),
-            ("damping", (axis.damping.min, axis.damping.max), &noise.damping),
-        ];
-        for ((name, (min, max), noise), (basis, (features, activations))) in
-            primitives.into_iter().zip(bases.iter().zip(&tables))
-        {
-            blocks.push(Block {
-                name: format!("{}.{name}", axis.name),
-                count: basis.count(),
-                features: features.clone(),
-                activations: activations.clone(),
-                min,
-                max,
-                noise: noise.of(a),
-            });
+        if let (Some(contact), Some([deviation, force])) = (&mut self.contact, sample.contact) {
+            [contact.deviation[i], contact.force[i]] = [deviation.0[0], force.0[0]];
         }
     }
-    blocks
 }

@@ -14,7 +14,7 @@ use core::ops::Range;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::environment::{Contact, Disturbance};
+use crate::environment::{Actuator, Contact, Disturbance, Sensor};
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
 pub use learning::{
@@ -68,6 +68,10 @@ pub struct Task {
     pub disturbance: Vec<Disturbance>,
     /// What the tool touches.
     pub contact: Option<Contact>,
+    /// How force is measured; left out, it is known.
+    pub sensor: Option<Sensor>,
+    /// How the tool follows its command; left out, at once.
+    pub actuator: Option<Actuator>,
     /// Positions to pass through.
     #[serde(default)]
     pub via_point: Vec<ViaPoint>,
@@ -268,7 +272,8 @@ pub struct Output {
     pub snapshots: Vec<usize>,
 }
 
-/// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss.
+/// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss. Where something is drawn, the worst of
+/// `evaluation_draws` motions counts; of the cost, their mean.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -285,6 +290,9 @@ pub struct Accept {
     /// Largest distance to a via point at its time [m].
     #[schemars(range(min = 0))]
     pub max_via_error: Option<f64>,
+    /// Root of the mean square distance to the via points at their times, over all draws [m].
+    #[schemars(range(min = 0))]
+    pub rms_via_error: Option<f64>,
     /// Largest distance to the goal at the end [m].
     #[schemars(range(min = 0))]
     pub max_goal_error: Option<f64>,
@@ -385,6 +393,30 @@ impl Task {
     /// Steps of one rollout: duration times rate.
     pub fn steps(&self) -> usize {
         (self.duration * self.rate).round() as usize
+    }
+
+    /// Whether motions differ by more than their policy: something is drawn.
+    pub fn is_random(&self) -> bool {
+        let is_drawn = |disturbance: &Disturbance| disturbance.quantities().iter().any(|(_, number)| !number.is_fixed());
+        self.disturbance.iter().any(is_drawn) || self.sensor.as_ref().is_some_and(Sensor::is_random)
+    }
+
+    /// Motions of one rollout in learning: its draws, one where nothing is drawn.
+    pub fn draws(&self) -> usize {
+        if self.is_random() { self.learning.draws } else { 1 }
+    }
+
+    /// Whether `primitive` (movement, stiffness, damping or goal) of axis `axis` is learned.
+    pub fn learns(&self, axis: usize, primitive: &str) -> bool {
+        self.learning.learn.iter().any(|part| match part.split_once('.') {
+            Some((name, part)) => part == primitive && self.axis[axis].name == name,
+            None => part == primitive,
+        })
+    }
+
+    /// Whether the goal of some axis is learned: parameters then hold the goal of every axis.
+    pub fn learns_goal(&self) -> bool {
+        (0..self.axis.len()).any(|axis| self.learns(axis, "goal"))
     }
 
     /// The position of axis `name` in the list of axes.

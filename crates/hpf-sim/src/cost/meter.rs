@@ -1,0 +1,222 @@
+//! The cost of a motion while it is made: a sample at a time, for several rollouts at once.
+
+use hpf_core::{Lanes, Real};
+use hpf_learn::Cost;
+
+use super::{CostModel, Term};
+use crate::simulation::{Sample, Sink};
+use crate::task::Task;
+use crate::trace::Trace;
+
+/// What one axis is measured by; the factor of a running term holds the half, the weight and the step.
+#[derive(Clone, Debug)]
+pub(super) struct AxisPrices {
+    steps: usize,
+    goal: f64,
+    half_goal_weight: f64,
+    half_end_velocity_weight: f64,
+    /// In the order of time.
+    via: Vec<ViaPrice>,
+    half_via_weight: f64,
+    /// Of the square of a change of velocity.
+    acceleration: f64,
+    /// Of the squares at both ends of a step together, as those below.
+    stiffness: f64,
+    damping: f64,
+    tracking: f64,
+    contact_force: f64,
+    set_point: f64,
+}
+
+/// A via point among the samples.
+#[derive(Clone, Debug)]
+struct ViaPrice {
+    /// The sample before it.
+    before: usize,
+    /// Where it lies between that and the next, from 0 to 1.
+    share: f64,
+    /// The step that answers for it.
+    step: usize,
+    position: f64,
+}
+
+impl AxisPrices {
+    pub(super) fn new(task: &Task, a: usize) -> Self {
+        let (steps, cost) = (task.steps(), &task.cost);
+        let dt = task.duration / steps as f64;
+        let mut via: Vec<_> = task
+            .via_point
+            .iter()
+            .map(|via| {
+                let at = (via.time / dt).clamp(0.0, steps as f64);
+                let before = (at.floor() as usize).min(steps.saturating_sub(1));
+                // The step that ends at or after the via point answers for it, with all before it.
+                let step = ((via.time / dt - 1e-6).ceil() as usize).clamp(1, steps) - 1;
+                ViaPrice { before, share: at - before as f64, step, position: via.position[a] }
+            })
+            .collect();
+        via.sort_by_key(|via| via.before);
+        let trapezoid = |weight: f64| 0.25 * weight * dt;
+        let contact = task.contact.as_ref().filter(|contact| contact.axis() == task.axis[a].name);
+        let touching = |weight: f64| contact.map_or(0.0, |_| trapezoid(weight));
+        Self {
+            steps,
+            goal: task.axis[a].goal,
+            half_goal_weight: 0.5 * cost.goal.of(a),
+            half_end_velocity_weight: 0.5 * cost.end_velocity.of(a),
+            via,
+            half_via_weight: 0.5 * cost.via_point.of(a),
+            acceleration: 0.5 * cost.acceleration.of(a) / dt,
+            stiffness: trapezoid(cost.stiffness.of(a)),
+            damping: trapezoid(cost.damping.of(a)),
+            tracking: touching(cost.tracking),
+            contact_force: touching(cost.contact_force),
+            set_point: contact.map_or(0.0, |contact| contact.surface(0.0, task.axis[a].start).set_point),
+        }
+    }
+}
+
+/// What several rollouts cost, one per lane.
+pub(crate) struct Bill<'a, const N: usize> {
+    running: &'a mut [[f64; N]],
+    pub(crate) terms: [Lanes<N>; Term::ALL.len()],
+    pub(crate) terminal: Lanes<N>,
+}
+
+impl<'a, const N: usize> Bill<'a, N> {
+    /// An empty bill; `running` holds a nought for every step.
+    pub(crate) fn new(running: &'a mut [[f64; N]]) -> Self {
+        Self { running, terms: [Lanes::ZERO; Term::ALL.len()], terminal: Lanes::ZERO }
+    }
+
+    /// Writes what the rollout in `lane` cost.
+    pub(crate) fn write(&self, lane: usize, cost: &mut Cost) {
+        cost.running.clear();
+        cost.running.extend(self.running.iter().map(|row| row[lane]));
+        cost.terms.clear();
+        cost.terms.extend(self.terms.iter().map(|term| term.0[lane]));
+        cost.terminal = self.terminal.0[lane];
+    }
+}
+
+/// Puts the samples of one axis on a bill.
+pub(crate) struct Meter<'m, 'b, const N: usize> {
+    prices: &'m AxisPrices,
+    bill: &'m mut Bill<'b, N>,
+    before: Before<N>,
+    /// The via points that are still to come.
+    via: &'m [ViaPrice],
+}
+
+/// The sample before.
+#[derive(Clone, Copy)]
+struct Before<const N: usize> {
+    position: Lanes<N>,
+    velocity: Lanes<N>,
+    /// Squares of stiffness, damping, deviation and force error.
+    squares: [Lanes<N>; 4],
+}
+
+impl CostModel {
+    /// What puts the samples of axis `a` on `bill`.
+    #[inline(always)]
+    pub(crate) fn meter<'m, 'b, const N: usize>(&'m self, a: usize, bill: &'m mut Bill<'b, N>) -> Meter<'m, 'b, N> {
+        let prices = &self.axes[a];
+        let zero = Lanes::ZERO;
+        Meter { prices, bill, before: Before { position: zero, velocity: zero, squares: [zero; 4] }, via: &prices.via }
+    }
+
+    /// Writes what `trace` costs.
+    pub(crate) fn evaluate(&self, trace: &Trace, cost: &mut Cost) {
+        cost.running.clear();
+        cost.running.resize(trace.steps(), 0.0);
+        let mut bill = Bill::new(cost.running.as_chunks_mut::<1>().0);
+        for (a, axis) in trace.axes.iter().enumerate() {
+            let contact = trace.contact.as_ref().filter(|contact| contact.axis == a);
+            let mut meter = self.meter(a, &mut bill);
+            for i in 0..=trace.steps() {
+                let lane = |signal: &[f64]| Lanes([signal[i]]);
+                meter.take(
+                    i,
+                    &Sample {
+                        reference_position: lane(&axis.reference_position),
+                        reference_velocity: lane(&axis.reference_velocity),
+                        position: lane(&axis.position),
+                        velocity: lane(&axis.velocity),
+                        force: lane(&axis.force),
+                        stiffness: lane(&axis.stiffness),
+                        damping: lane(&axis.damping),
+                        contact: contact.map(|contact| [lane(&contact.deviation), lane(&contact.force)]),
+                    },
+                );
+            }
+        }
+        let Bill { terms, terminal, .. } = bill;
+        cost.terminal = terminal.to_f64();
+        cost.terms.clear();
+        cost.terms.extend(terms.map(Lanes::to_f64));
+    }
+}
+
+impl<const N: usize> Meter<'_, '_, N> {
+    /// Adds `cost` to a step and to a term.
+    #[inline(always)]
+    fn charge(&mut self, step: usize, term: Term, cost: Lanes<N>) {
+        self.bill.running[step] = (Lanes(self.bill.running[step]) + cost).0;
+        self.bill.terms[term as usize] += cost;
+    }
+
+    /// The running costs of the step that ends here.
+    #[inline(always)]
+    fn charge_step(&mut self, step: usize, change: Lanes<N>, squares: &[Lanes<N>; 4]) {
+        let prices = self.prices;
+        // A weight of nought leaves a term out: it does not make a NaN of an infinity.
+        if prices.acceleration > 0.0 {
+            self.charge(step, Term::Acceleration, Lanes::of(prices.acceleration) * (change * change));
+        }
+        let factors = [prices.stiffness, prices.damping, prices.tracking, prices.contact_force];
+        let terms = [Term::Stiffness, Term::Damping, Term::Tracking, Term::ContactForce];
+        for (j, (factor, term)) in factors.into_iter().zip(terms).enumerate() {
+            if factor > 0.0 {
+                self.charge(step, term, Lanes::of(factor) * (self.before.squares[j] + squares[j]));
+            }
+        }
+    }
+
+    /// The via points passed between the sample before and `position`.
+    #[inline(always)]
+    fn charge_via(&mut self, i: usize, position: Lanes<N>) {
+        while let [via, rest @ ..] = self.via
+            && via.before + 1 == i
+        {
+            let passed = self.before.position + Lanes::of(via.share) * (position - self.before.position);
+            let error = passed - Lanes::of(via.position);
+            self.charge(via.step, Term::ViaPoint, Lanes::of(self.prices.half_via_weight) * error * error);
+            self.via = rest;
+        }
+    }
+}
+
+impl<const N: usize> Sink<N> for Meter<'_, '_, N> {
+    #[inline(always)]
+    fn take(&mut self, i: usize, sample: &Sample<N>) {
+        let [deviation, force_error] = match sample.contact {
+            Some([deviation, force]) => [deviation, force - Lanes::of(self.prices.set_point)],
+            None => [Lanes::ZERO; 2],
+        };
+        let squares = [sample.stiffness, sample.damping, deviation, force_error].map(|signal| signal * signal);
+        if i > 0 {
+            self.charge_step(i - 1, sample.velocity - self.before.velocity, &squares);
+            self.charge_via(i, sample.position);
+        }
+        if i == self.prices.steps {
+            let error = sample.position - Lanes::of(self.prices.goal);
+            let goal = Lanes::of(self.prices.half_goal_weight) * error * error;
+            let end_velocity = Lanes::of(self.prices.half_end_velocity_weight) * sample.velocity * sample.velocity;
+            self.bill.terminal += goal + end_velocity;
+            self.bill.terms[Term::Goal as usize] += goal;
+            self.bill.terms[Term::EndVelocity as usize] += end_velocity;
+        }
+        self.before = Before { position: sample.position, velocity: sample.velocity, squares };
+    }
+}

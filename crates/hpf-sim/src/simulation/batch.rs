@@ -1,0 +1,103 @@
+//! Rollouts for learning: costs without traces, [`LANES`] rollouts at a time in the best instructions there are.
+
+use hpf_core::{Lanes, Real};
+use hpf_learn::{Cost, Parameters};
+use pulp::NullaryFnOnce;
+
+use super::Simulation;
+use super::profiles::{Constant, Rowwise};
+use crate::cost::{Bill, Term};
+use crate::trace::Trace;
+
+/// Rollouts that step together: one register of AVX-512, two of AVX2, four of SSE2 or NEON.
+pub(crate) const LANES: usize = 8;
+
+/// What a thread makes rollouts in; reused, it allocates nothing.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    /// The motion whose signals were measured last.
+    pub trace: Option<Trace>,
+    /// One entry per parameter.
+    weights: Vec<Lanes<LANES>>,
+    /// One entry per step.
+    running: Vec<[f64; LANES]>,
+}
+
+impl Simulation {
+    /// Makes a rollout of each of `parameters` and writes what it cost: the same bits together as alone.
+    pub(crate) fn roll_costs(&self, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
+        for (parameters, costs) in parameters.chunks(LANES).zip(costs.chunks_mut(LANES)) {
+            let is_constant = |parameters: &Parameters<'_>| matches!(parameters, Parameters::Constant(_));
+            if parameters.iter().all(is_constant) {
+                self.roll_together(parameters, workspace, costs);
+            } else {
+                parameters.iter().zip(costs).for_each(|(&parameters, cost)| self.roll_alone(parameters, cost));
+            }
+        }
+    }
+
+    /// At most [`LANES`] rollouts, the parameters of each constant.
+    fn roll_together(&self, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
+        let Workspace { weights, running, .. } = workspace;
+        weights.resize(self.parameter_count(), Lanes::ZERO);
+        // Idle lanes repeat the first rollout: numbers as ordinary as its own.
+        for lane in 0..LANES {
+            let row = parameters.get(lane).unwrap_or(&parameters[0]).at(0);
+            weights.iter_mut().zip(row).for_each(|(slot, weight)| slot.0[lane] = *weight);
+        }
+        running.clear();
+        running.resize(self.step_count(), [0.0; LANES]);
+        let mut bill = Bill::new(running);
+        self.instructions.dispatch(Together { simulation: self, weights, bill: &mut bill });
+        for (lane, cost) in costs.iter_mut().enumerate() {
+            bill.write(lane, cost);
+        }
+    }
+
+    /// One rollout whose parameters may change with every step.
+    fn roll_alone(&self, parameters: Parameters<'_>, cost: &mut Cost) {
+        cost.running.clear();
+        cost.running.resize(self.step_count(), 0.0);
+        let mut bill = Bill::new(cost.running.as_chunks_mut::<1>().0);
+        for (a, axis) in self.axes.iter().enumerate() {
+            let profiles = self.rowwise(axis, parameters);
+            self.roll_axis(a, &axis.alone, &profiles, self.cost.meter(a, &mut bill));
+        }
+        let Bill { terms, terminal, .. } = bill;
+        cost.terminal = terminal.to_f64();
+        cost.terms.clear();
+        cost.terms.extend(terms.map(Lanes::to_f64));
+    }
+
+    pub(super) fn rowwise<'a>(&'a self, axis: &super::AxisModel, parameters: Parameters<'a>) -> Rowwise<'a> {
+        Rowwise { tables: &self.tables, parameters, ends: axis.parameters, steps: self.step_count() }
+    }
+}
+
+/// All axes of [`LANES`] rollouts, for compilation in every set of instructions.
+struct Together<'a, 'b> {
+    simulation: &'a Simulation,
+    weights: &'a [Lanes<LANES>],
+    bill: &'a mut Bill<'b, LANES>,
+}
+
+impl NullaryFnOnce for Together<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { simulation, weights, bill } = self;
+        for (a, axis) in simulation.axes.iter().enumerate() {
+            let [start, movement_end, stiffness_end, end] = axis.parameters;
+            let profiles = Constant {
+                tables: &simulation.tables,
+                movement: &weights[start..movement_end],
+                stiffness: &weights[movement_end..stiffness_end],
+                damping: &weights[stiffness_end..end],
+            };
+            simulation.roll_axis(a, &axis.together, &profiles, simulation.cost.meter(a, bill));
+        }
+    }
+}
+
+const _: () = assert!(Term::ALL.len() == 8, "the bill holds one number per term");

@@ -1,0 +1,45 @@
+//! The parameters of a policy as the learner sees them.
+
+use hpf_core::Basis;
+use hpf_learn::Block;
+
+use crate::policy::Policy;
+use crate::task::Task;
+
+/// Three blocks per axis.
+pub(super) fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>; 3], phases: &[f64]) -> Vec<Block> {
+    let tables = bases.each_ref().map(|basis| {
+        let mut features = vec![0.0; phases.len() * basis.count()];
+        let mut activations = features.clone();
+        let rows = features.chunks_exact_mut(basis.count()).zip(activations.chunks_exact_mut(basis.count()));
+        for ((features, activations), &phase) in rows.zip(phases) {
+            basis.features_into(phase, features);
+            basis.activations_into(phase, activations);
+        }
+        (features, activations)
+    });
+    let noise = &task.learning.noise;
+    let mut blocks = Vec::new();
+    for (a, axis) in policy.axes.iter().enumerate() {
+        let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
+        let primitives = [
+            ("movement", unbounded, &noise.movement),
+            ("stiffness", (axis.stiffness.min, axis.stiffness.max), &noise.stiffness),
+            ("damping", (axis.damping.min, axis.damping.max), &noise.damping),
+        ];
+        for ((name, (min, max), noise), (basis, (features, activations))) in
+            primitives.into_iter().zip(bases.iter().zip(&tables))
+        {
+            blocks.push(Block {
+                name: format!("{}.{name}", axis.name),
+                count: basis.count(),
+                features: features.clone(),
+                activations: activations.clone(),
+                min,
+                max,
+                noise: noise.of(a),
+            });
+        }
+    }
+    blocks
+}

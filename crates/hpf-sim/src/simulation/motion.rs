@@ -1,0 +1,108 @@
+//! The motion of one axis of several rollouts at once, one per lane.
+
+use hpf_core::{ConfigError, Lanes, Movement, MovementState, Real, Transition};
+
+use super::profiles::Profiles;
+use super::table::TILE;
+
+/// What an axis' reference motion follows, in every lane.
+#[derive(Clone, Debug)]
+pub(super) struct Reference<const N: usize> {
+    movement: Movement<Lanes<N>, [Lanes<N>; 0]>,
+    transition: Transition<Lanes<N>>,
+    /// 1 over the duration [1/s].
+    rate: Lanes<N>,
+}
+
+impl<const N: usize> Reference<N> {
+    /// The same in every lane; `numbers` are start, goal, alpha and forcing scale.
+    pub(super) fn new(numbers: [f64; 4], dt: f64, duration: f64) -> Result<Self, ConfigError> {
+        let [start, goal, alpha, scale] = numbers.map(Lanes::of);
+        Ok(Self {
+            movement: Movement::new(start, goal, alpha, scale, [])?,
+            transition: Transition::new(alpha, Lanes::of(dt / duration)),
+            rate: Lanes::of(1.0 / duration),
+        })
+    }
+}
+
+/// The reference and the gains at one sample.
+#[derive(Clone, Copy)]
+pub(super) struct Knot<const N: usize> {
+    state: MovementState<Lanes<N>>,
+    /// [m/s]
+    pub(super) reference_velocity: Lanes<N>,
+    /// [N/m]
+    pub(super) stiffness: Lanes<N>,
+    /// [N s/m]
+    pub(super) damping: Lanes<N>,
+}
+
+impl<const N: usize> Knot<N> {
+    #[inline(always)]
+    pub(super) fn reference_position(&self) -> Lanes<N> {
+        self.state.position
+    }
+}
+
+/// All signals of one axis at one sample, in the units of [`crate::AxisTrace`] and [`crate::ContactTrace`].
+pub(crate) struct Sample<const N: usize> {
+    pub(crate) reference_position: Lanes<N>,
+    pub(crate) reference_velocity: Lanes<N>,
+    pub(crate) position: Lanes<N>,
+    pub(crate) velocity: Lanes<N>,
+    pub(crate) force: Lanes<N>,
+    pub(crate) stiffness: Lanes<N>,
+    pub(crate) damping: Lanes<N>,
+    /// Deviation and contact force of an axis that touches something.
+    pub(crate) contact: Option<[Lanes<N>; 2]>,
+}
+
+/// The tool on its way, from sample to sample.
+pub(super) trait Tool<const N: usize> {
+    /// The signals at sample `i`.
+    fn sample(&self, i: usize, now: &Knot<N>) -> Sample<N>;
+
+    /// Step `i`, with stiffness and damping at its middle.
+    fn advance(&mut self, i: usize, now: &Knot<N>, next: &Knot<N>, middle: [Lanes<N>; 2]);
+}
+
+/// Takes the samples of an axis in their order.
+pub(crate) trait Sink<const N: usize> {
+    /// Takes sample `i`.
+    fn take(&mut self, i: usize, sample: &Sample<N>);
+}
+
+/// Moves one axis along `middle_phase`, the phase at mid-steps.
+#[inline(always)]
+pub(super) fn roll<const N: usize>(
+    reference: &Reference<N>,
+    middle_phase: &[f64],
+    profiles: &impl Profiles<N>,
+    mut tool: impl Tool<N>,
+    mut sink: impl Sink<N>,
+) {
+    let Reference { movement, transition, rate } = *reference;
+    let knot = |state: MovementState<Lanes<N>>, stiffness, damping| Knot {
+        state,
+        reference_velocity: state.scaled_velocity * rate,
+        stiffness,
+        damping,
+    };
+    let [stiffness, damping] = profiles.start();
+    let mut now = knot(movement.initial_state(), stiffness, damping);
+    for (tile_index, phases) in middle_phase.chunks(TILE).enumerate() {
+        let first = tile_index * TILE;
+        let tile = profiles.tile(first);
+        for (j, &phase) in phases.iter().enumerate() {
+            sink.take(first + j, &tool.sample(first + j, &now));
+            let mut state = now.state;
+            transition.apply(&mut state, movement.goal(), movement.forcing(Lanes::of(phase), tile.movement[j]));
+            let ([middle_stiffness, stiffness], [middle_damping, damping]) = (tile.stiffness[j], tile.damping[j]);
+            let next = knot(state, stiffness, damping);
+            tool.advance(first + j, &now, &next, [middle_stiffness, middle_damping]);
+            now = next;
+        }
+    }
+    sink.take(middle_phase.len(), &tool.sample(middle_phase.len(), &now));
+}
