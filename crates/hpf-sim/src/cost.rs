@@ -19,8 +19,8 @@ use hpf_learn::SignalGroup;
 
 use crate::task::{PerAxis, Task};
 use crate::trace::Trace;
-pub(crate) use meter::Bill;
 use meter::AxisPrices;
+pub(crate) use meter::Bill;
 
 /// A term of the cost; its name is its key in the task file, and its column in every table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

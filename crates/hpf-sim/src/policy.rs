@@ -380,15 +380,19 @@ impl Policy {
         lists.flatten().copied().collect()
     }
 
-    /// The same policy with other weights, in the order of [`Policy::weights`].
+    /// The same policy with other weights, in the order of [`Policy::weights`]. Where there is a number more for each
+    /// axis, it is the axis' goal and comes after its weights.
     pub fn with_weights(mut self, weights: &[f64]) -> Self {
+        let count =
+            |axis: &AxisPolicy| axis.movement.weights.len() + axis.stiffness.weights.len() + axis.damping.weights.len();
+        let has_goals = weights.len() == self.axes.iter().map(count).sum::<usize>() + self.axes.len();
         let mut next = weights.iter().copied();
-        let lists = self
-            .axes
-            .iter_mut()
-            .flat_map(|axis| [&mut axis.movement.weights, &mut axis.stiffness.weights, &mut axis.damping.weights]);
-        for (slot, weight) in lists.flatten().zip(&mut next) {
-            *slot = weight;
+        for axis in &mut self.axes {
+            let lists = [&mut axis.movement.weights, &mut axis.stiffness.weights, &mut axis.damping.weights];
+            let goal = has_goals.then_some(&mut axis.goal);
+            for (slot, weight) in lists.into_iter().flatten().chain(goal).zip(&mut next) {
+                *slot = weight;
+            }
         }
         self
     }

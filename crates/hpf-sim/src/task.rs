@@ -397,13 +397,19 @@ impl Task {
 
     /// Whether motions differ by more than their policy: something is drawn.
     pub fn is_random(&self) -> bool {
-        let is_drawn = |disturbance: &Disturbance| disturbance.quantities().iter().any(|(_, number)| !number.is_fixed());
+        let is_drawn =
+            |disturbance: &Disturbance| disturbance.quantities().iter().any(|(_, number)| !number.is_fixed());
         self.disturbance.iter().any(is_drawn) || self.sensor.as_ref().is_some_and(Sensor::is_random)
     }
 
     /// Motions of one rollout in learning: its draws, one where nothing is drawn.
     pub fn draws(&self) -> usize {
         if self.is_random() { self.learning.draws } else { 1 }
+    }
+
+    /// Motions that the measures of a policy are taken over, one where nothing is drawn.
+    pub fn evaluation_draws(&self) -> usize {
+        if self.is_random() { self.learning.evaluation_draws } else { 1 }
     }
 
     /// Whether `primitive` (movement, stiffness, damping or goal) of axis `axis` is learned.

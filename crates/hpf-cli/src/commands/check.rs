@@ -29,19 +29,19 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     let loaded = read_task(path, &changes)?;
     let policy = Policy::initial(&loaded.task).map_err(in_file(path))?;
     let simulation = Simulation::new(&loaded.task, &policy).map_err(in_file(path))?;
-    let trace = simulation.rollout(&simulation.starting_weights(&policy).map_err(in_file(path))?);
-    let cost = simulation.cost(&trace).total();
+    let start = simulation.starting_weights(&policy).map_err(in_file(path))?;
+    let cost = simulation.evaluate(&start).0.total();
     if !cost.is_finite() {
         return Err(Failure::Input(format!("{}: the motion before learning has no finite cost", path.display())));
     }
     if common.json {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "task", "valid": true,
-            "steps": simulation.step_count(), "parameters": policy.weights().len(), "initial_cost": cost,
+            "steps": simulation.step_count(), "parameters": start.len(), "initial_cost": cost,
         });
         say(&format!("{object:#}\n"))?;
     } else {
-        say(&render::task(&loaded.task, policy.weights().len(), cost))?;
+        say(&render::task(&loaded.task, start.len(), cost))?;
     }
     Ok(Outcome::Done)
 }

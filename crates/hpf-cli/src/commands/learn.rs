@@ -139,7 +139,7 @@ impl Learned {
 /// Writes everything that was learned, and says what it came to.
 fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started: Instant) -> Result<Summary, Failure> {
     let Learned { run, history, simulation, .. } = learned;
-    let metrics = simulation.metrics(&run.trajectory);
+    let (_, metrics) = simulation.evaluate(&history.best.weights);
     let policy = results::save(run, &loaded.text, &metrics, folder)?;
     let summary = Summary {
         task: run.task.name.clone(),

@@ -42,11 +42,7 @@ impl Table {
     /// The mixtures of each lane's weights at the instants of `R` rows from `first` on; each the same sum in the same
     /// order as [`mix`](Self::mix).
     #[inline(always)]
-    pub(super) fn mix_rows<const N: usize, const R: usize>(
-        &self,
-        first: usize,
-        weights: &[Lanes<N>],
-    ) -> [Lanes<N>; R] {
+    pub(super) fn mix_rows<const N: usize, const R: usize>(&self, first: usize, weights: &[Lanes<N>]) -> [Lanes<N>; R] {
         // Cut to one length, so that no index below needs a check.
         let weights = &weights[..self.count];
         let rows: [&[f64]; R] = core::array::from_fn(|r| self.row(first + r));

@@ -24,7 +24,8 @@ pub struct Pulse {
 
 impl Pulse {
     pub(super) fn force(&self, time: f64, side: Side) -> f64 {
-        let on = has_jumped(self.start.mean(), time, side) && !has_jumped(self.start.mean() + self.length.mean(), time, side);
+        let on = has_jumped(self.start.mean(), time, side)
+            && !has_jumped(self.start.mean() + self.length.mean(), time, side);
         if on { self.amplitude.mean() } else { 0.0 }
     }
 }
