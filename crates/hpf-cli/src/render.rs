@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
-use hpf_sim::{Certificate, Conditions, Metric, Policy};
+use hpf_sim::{Certificate, Conditions, Metric, Passivity, Policy};
 use serde_json::Value;
 
 use crate::summary::Summary;
@@ -201,7 +201,8 @@ pub fn policy(policy: &Policy) -> String {
 pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> String {
     let Conditions { rate, delay, load } = *conditions;
     let mut text = format!(
-        "certificates, first-order law at {} Hz, measured force {} ms late, over the movement and as long again at its goal\n",
+        "certificates, {}-order law at {} Hz, measured force {} ms late, over the movement and as long again at its goal\n",
+        if policy.admittance.order == 2 { "second" } else { "first" },
         number(rate),
         number(delay * 1e3)
     );
@@ -210,9 +211,13 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
             Unit::M => ["m", "N", "N/m", "N s/m"],
             Unit::Rad => ["rad", "N m", "N m/rad", "N m s/rad"],
         };
-        let passive = match certificate.fails_at {
-            None => "yes, from rest".into(),
-            Some(time) => format!("NOT from {} s on: a tank has to guard it", number(time)),
+        let passive = match certificate.passivity {
+            Passivity::FirstOrder { fails_at: None } => "yes, from rest".into(),
+            Passivity::FirstOrder { fails_at: Some(time) } => {
+                format!("NOT from {} s on: a tank has to guard it", number(time))
+            }
+            Passivity::SecondOrder { decay: Some(decay) } => format!("yes (a = {} 1/s proves it)", number(decay)),
+            Passivity::SecondOrder { decay: None } => "not proved: a tank has to guard it".into(),
         };
         let (energy, offset) = (number(certificate.switched_energy), measure(certificate.largest_offset, unit));
         let contact = number(certificate.contact_stiffness);
