@@ -92,8 +92,8 @@ fn a_free_tool_with_inertia_follows_the_continuous_law_to_second_order() {
     let push = |t: f64, _: f64| 10.0 * (2.0 * core::f64::consts::PI * t / 5.0).sin();
     let exact = solve(&policy, &policy.axes[0], 0.0, push, [500, 20]);
     let found = [100.0, 200.0, 400.0].map(|rate| errors(&rollout(VIA_POINT, &policy, rate), &exact));
-    println!("{found:e?}");
-    assert!(found[0][0] < 5e-5 && found[0][1] < 5e-4, "{found:?}");
+    // Measured at 100 Hz: 4.2e-6 m and 1.6e-4 m/s.
+    assert!(found[0][0] < 1e-5 && found[0][1] < 3e-4, "{found:?}");
     for pair in found.windows(2) {
         for column in 0..2 {
             let ratio = pair[0][column] / pair[1][column];
@@ -114,7 +114,15 @@ fn a_tool_with_inertia_on_the_beam_follows_the_continuous_law() {
     let load = |t: f64, y: f64| 10.0 - stiffness(t) * y.max(0.0);
     let exact = solve(&policy, &policy.axes[0], 1e-5, load, [500, 200]);
     let found = [100.0, 200.0, 400.0, 800.0, 1600.0].map(|rate| errors(&rollout(BEAM, &policy, rate), &exact));
-    println!("{found:e?}");
+    // The tool swings on the beam seven radians in a step of 10 ms, by 2.8e-7 m and 1.9e-4 m/s; from 200 Hz on, what
+    // is left falls with the square of the step, without any regard to the swing.
+    assert!(found[0][0] < 1e-6 && found[0][1] < 5e-4, "{found:?}");
+    for pair in found[1..].windows(2) {
+        for column in 0..2 {
+            let ratio = pair[0][column] / pair[1][column];
+            assert!((ratio - 4.0).abs() < 0.5, "{found:?}");
+        }
+    }
 }
 
 #[test]
@@ -125,7 +133,13 @@ fn a_tool_with_inertia_bounces_off_a_wall_within_a_step() {
     let load = |t: f64, y: f64| if t >= 0.5 { -2.0 } else { 0.0 } - 2e4 * (y - 0.2).max(0.0);
     let exact = solve(&policy, &policy.axes[0], 0.0, load, [100, 4000]);
     let found = [100.0, 200.0, 400.0, 800.0, 1600.0].map(|rate| errors(&rollout(&text, &policy, rate), &exact));
-    println!("{found:e?}");
+    // Measured 1.2e-5 m and 2.1e-3 m/s at 100 Hz, where a bounce takes three steps; at 1600 Hz a 200th and a 260th of it:
+    // second order through every crossing.
+    assert!(found[0][0] < 3e-5 && found[0][1] < 5e-3, "{found:?}");
+    for column in 0..2 {
+        let order = (found[0][column] / found[4][column]).log2() / 4.0;
+        assert!(order > 1.8, "order {order}: {found:?}");
+    }
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn goals_and_weights_are_learned_together() {
     let parameters = simulation.parameters(&after);
     let mut cost = hpf_learn::Cost::default();
     let constant = hpf_learn::Parameters::Constant(&parameters);
-    simulation.rollout(hpf_learn::Draws::HeldOut, constant, &mut simulation.workspace(), &mut cost);
+    Problem::rollout(&simulation, hpf_learn::Draws::HeldOut, constant, &mut simulation.workspace(), &mut cost);
     assert_eq!(cost, simulation.cost(&simulation.rollout(&parameters)));
 }
 

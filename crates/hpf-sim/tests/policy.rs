@@ -183,7 +183,7 @@ fn impossible_numbers_are_refused_by_place() {
         (|p| p.axes[0].movement.widths[3] = -0.9, "axes[0].movement: widths must be positive, not -0.9"),
         (
             |p| p.axes[1].stiffness.centers[3] += 1e-9,
-            "axes[1].stiffness: centers and widths differ from those of axes[0]: axes share one basis per primitive",
+            "axes[1].stiffness: family, centers or widths differ from those of axes[0]: axes share one basis per primitive",
         ),
     ];
     for (change, message) in changes {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Quantity;
 
-/// `[sensor]`: how the force of the environment is measured.
+/// How the force of the environment is measured, once a step, and held over it.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -44,7 +44,7 @@ impl Sensor {
     }
 }
 
-/// `[actuator]`: how the tool follows its command.
+/// How the tool follows its command; the force is then read once a step, as with a sensor that does not err.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
 pub struct Actuator {

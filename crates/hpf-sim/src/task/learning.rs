@@ -27,7 +27,7 @@ pub struct Learning {
     #[schemars(range(min = 1))]
     pub max_rollouts: Option<usize>,
     /// What is learned: `"movement"`, `"stiffness"`, `"damping"`, `"goal"`, each of all axes or, as `"x.movement"`, of
-    /// one; the rest keeps its start values.
+    /// one; the rest keeps its start values. Left out: movement, stiffness and damping.
     #[schemars(length(min = 1, max = 100))]
     pub learn: Vec<String>,
     /// Motions of one rollout, each with its draws, where something is drawn; a rollout costs their mean.
