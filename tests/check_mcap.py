@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks logs of hpf with other programs' readers: PyPI `mcap` with its decoders, and `rerun mcap check`.
+"""Checks logs and ROS 2 bags of hpf with other programs' readers: PyPI `mcap` with its decoders, `rerun mcap check`.
 
     pip install mcap mcap-protobuf-support mcap-ros2-support rerun-sdk
     python3 check_mcap.py LOG.mcap...
@@ -36,6 +36,14 @@ TOPICS = {
     "/hpf/state": ("hpf.State", *PROTOBUF, EVERY_SAMPLE),
     "/hpf/update": ("hpf.Update", *PROTOBUF, SOME),
     "/hpf/axes": ("sensor_msgs/msg/JointState", "ros2msg", "cdr", EVERY_SAMPLE),
+}
+BAG = {
+    "/tool/pose": "geometry_msgs/msg/PoseStamped",
+    "/reference/pose": "geometry_msgs/msg/PoseStamped",
+    "/tool/wrench": "geometry_msgs/msg/WrenchStamped",
+    "/joint_states": "sensor_msgs/msg/JointState",
+    "/gains": "std_msgs/msg/Float64MultiArray",
+    "/tf": "tf2_msgs/msg/TFMessage",
 }
 METADATA = {
     "task", "method", "seed", "duration_s", "rate_hz", "task_sha256", "policy_sha256", "hpf_version", "log_version",
@@ -169,9 +177,43 @@ def check_with_rerun(path):
     print(f"  rerun mcap check: {len(rows)} rows, {len(bad)} bad")
 
 
+def check_bag(path):
+    """A bag of `hpf export --ros2`: every message decodes as ROS does it, and they agree with each other."""
+    counts, last = {}, {}
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True, decoder_factories=[Ros2Decoders()])
+        channels = reader.get_summary().channels.values()
+        check({channel.topic for channel in channels} == set(BAG), f"topics are {[c.topic for c in channels]}")
+        for schema, channel, message, decoded in reader.iter_decoded_messages():
+            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+            last[channel.topic] = decoded
+            found = (schema.name, schema.encoding, channel.message_encoding)
+            check(found == (BAG.get(channel.topic), "ros2msg", "cdr"), f"{channel.topic} is {found}")
+            check("reliability: " in channel.metadata["offered_qos_profiles"], f"{channel.topic} offers no quality")
+            stamped = decoded.transforms[0] if channel.topic == "/tf" else decoded
+            if channel.topic != "/gains":
+                stamp = stamped.header.stamp
+                check(stamp.sec * 10**9 + stamp.nanosec == message.log_time, f"{channel.topic} has two times")
+    check(len(counts) == len(BAG) and len(set(counts.values())) == 1, f"messages by topic are {counts}")
+    print(f"  {sum(counts.values())} messages, {counts}")
+    joints, gains, (tool, reference) = last["/joint_states"], last["/gains"], last["/tf"].transforms
+    check(len(joints.name) == len(joints.position) == len(joints.velocity) == len(joints.effort), "joints differ")
+    rows, columns = gains.layout.dim
+    check((rows.size, columns.size, rows.stride) == (len(joints.name), 2, len(gains.data)), "gains have another shape")
+    check(all(gain > 0 for gain in gains.data), "gains are not positive")
+    for topic, frame in [("/tool/pose", tool), ("/reference/pose", reference)]:
+        check(point(last[topic].pose.position) == point(frame.transform.translation), f"{topic} and /tf differ")
+        check(last[topic].header.frame_id == frame.header.frame_id == "world", f"{topic} is in another frame")
+
+
 def check_log(path):
-    """All of the above for one log."""
+    """All of the above for one log, or for one bag."""
     print(path)
+    with path.open("rb") as file:
+        profile = make_reader(file).get_header().profile
+    if profile == "ros2":
+        check_bag(path)
+        return
     check_order(path)
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)

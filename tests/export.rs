@@ -8,7 +8,7 @@ use hpf_core::packed::Packed;
 use hpf_core::{HybridPrimitive, Real};
 use hpf_sim::{Policy, Task};
 
-use crate::support::{expect, folder, hpf, read, root, task};
+use crate::support::{Columns, expect, folder, hpf, read, root, task};
 
 /// A policy of two axes whose weights have no short decimal form, each primitive with a basis of its own, and names that
 /// no language takes as they are.
@@ -265,4 +265,64 @@ fn what_makes_no_skill_in_single_precision_is_refused() {
     }
     expect(2, folder.path(), &["export", "missing.json", "--format", "c"]);
     expect(2, folder.path(), &["export", "policy.json"]);
+}
+
+#[test]
+fn a_run_becomes_a_bag_of_ros_messages() {
+    let folder = folder();
+    expect(
+        0,
+        folder.path(),
+        &[
+            "learn",
+            &task("via_point.toml"),
+            "--quiet",
+            "--set",
+            "learning.updates=2",
+            "--set",
+            "output.snapshots=[]",
+            "--set",
+            "accept={}",
+            "--out",
+            "run",
+        ],
+    );
+    let (stdout, _) = expect(0, folder.path(), &["export", "run", "--ros2"]);
+    assert!(stdout.starts_with("run/ros2.mcap: ros2, 3006 messages, "), "{stdout}");
+    expect(0, folder.path(), &["export", "run/policy.json", "--format", "ros2", "--out", "again.mcap"]);
+    let bag = fs::read(folder.path().join("run/ros2.mcap")).unwrap();
+    assert!(bag == fs::read(folder.path().join("again.mcap")).unwrap(), "the same run gives the same bytes");
+
+    let summary = mcap::Summary::read(&bag).unwrap().unwrap();
+    for channel in summary.channels.values() {
+        let schema = channel.schema.as_ref().unwrap();
+        assert_eq!(
+            (channel.message_encoding.as_str(), schema.encoding.as_str()),
+            ("cdr", "ros2msg"),
+            "{}",
+            channel.topic
+        );
+        assert!(channel.metadata["offered_qos_profiles"].contains("reliability"), "{}", channel.topic);
+    }
+    let trajectory = Columns::read(folder.path().join("run/trajectory.csv"));
+    let positions = trajectory.column("y_position_m");
+    let poses = mcap::MessageStream::new(&bag).unwrap().map(Result::unwrap);
+    let poses: Vec<Vec<u8>> = poses
+        .filter(|message| message.channel.topic == "/tool/pose")
+        .map(|message| message.data.into_owned())
+        .collect();
+    assert_eq!(poses.len(), positions.len());
+    for (pose, position) in poses.iter().zip(positions) {
+        // Encapsulation, time, "world" and its end, filled up to 8; then x, y, z and the quaternion.
+        let y = f64::from_le_bytes(pose[4 + 24 + 8..][..8].try_into().unwrap());
+        assert_eq!((y.to_bits(), pose.len()), (position.to_bits(), 4 + 24 + 7 * 8));
+    }
+
+    let (_, stderr) = expect(2, folder.path(), &["export", "run", "--ros2", "--scalar", "f32", "--force"]);
+    assert!(stderr.contains("--scalar is for firmware"), "{stderr}");
+    fs::create_dir(folder.path().join("alone")).unwrap();
+    write(&folder.path().join("alone"), &policy());
+    let (_, stderr) = expect(2, folder.path(), &["export", "alone/policy.json", "--ros2"]);
+    assert!(stderr.contains("name a run directory"), "{stderr}");
+    expect(2, folder.path(), &["export", "run", "--ros2", "--format", "c"]);
 }

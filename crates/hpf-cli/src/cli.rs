@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 
+use crate::commands::init::Kind;
 use crate::export::{Format, Precision};
 use crate::style::ColorChoice;
 
@@ -21,16 +23,19 @@ pub struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  hpf learn tasks/cantilever.toml                    learn a task, keep everything in runs/cantilever
-  hpf learn tasks/via_point.toml --seed 2 --out out  another seed, another place
-  hpf run runs/cantilever --rate 1000                run what was learned, at 1000 Hz
-  hpf check tasks/reach.toml                         is this task file right?
-  hpf export runs/cantilever --format rust           what was learned, for firmware
+  hpf init reach --out my_task.toml                  # a task to start from
+  hpf check my_task.toml                             # is it right, and what does it come to?
+  hpf learn tasks/cantilever.toml                    # learn a task, keep all in runs/cantilever
+  hpf learn tasks/cantilever.toml --seed 2 --out out # another seed, another place
+  hpf info runs/cantilever out                       # both side by side
+  hpf run runs/cantilever --rate 1000                # run what was learned, at 1000 Hz
+  hpf export runs/cantilever --format rust           # what was learned, for firmware
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
 
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Common options")]
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
@@ -38,16 +43,17 @@ pub struct Common {
     /// Threads for rollouts; the results are the same for any number [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Where results go: a directory; for export a file, or - for stdout
+    /// Where results go: a directory for learn, run, plot, manual [default: runs/NAME, none, RUN/plots, man]; a file for
+    /// export, init, schema, completions, recover [default: see their help], or - for stdout
     #[arg(long, global = true, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Replace existing results
     #[arg(long, global = true)]
     pub force: bool,
-    /// Print the result as one JSON object
+    /// Print the result as one JSON object with `format` and `version`
     #[arg(long, global = true)]
     pub json: bool,
-    /// No progress on stderr
+    /// Print no progress
     #[arg(long, global = true)]
     pub quiet: bool,
     /// When to colour messages
@@ -69,7 +75,7 @@ Examples:
     #[command(after_help = "\
 Examples:
   hpf run runs/cantilever
-  hpf run runs/cantilever --rate 1000 --set contact.force=12
+  hpf run runs/cantilever --rate 1000 --set contact.force=12  # misses its targets: exit code 3
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
     /// Draw the plots of a run again, from its tables
@@ -84,16 +90,65 @@ Examples:
 Certificates of a policy, by axis: whether its gains are passive from rest (first order), the energy that rising stiffness can
 put in under any force within --load, the stiffest contact for a force --delay late, the fastest reference.")]
     Check(Check),
-    /// Write a policy for firmware: Rust, C or binary
+    /// Write a policy for firmware (Rust, C, binary), or a run for ROS 2
     #[command(after_help = "\
 Examples:
   hpf export runs/cantilever --format rust --scalar f32
   hpf export runs/cantilever/policy.json --format c --out firmware/cantilever.h
-  hpf export runs/cantilever --format binary --out - | sha256sum")]
+  hpf export runs/cantilever --format binary --out - | sha256sum
+  hpf export runs/cantilever --ros2 --out cantilever_ros2.mcap   # then: ros2 bag play cantilever_ros2.mcap
+
+Without --out: policy.rs, policy.h, policy.bin or ros2.mcap beside the policy.")]
     Export(Export),
-    /// Say what is in a task, policy, run directory or MCAP log
-    #[command(after_help = "Examples:\n  hpf info runs/cantilever\n  hpf info runs/cantilever/log.mcap")]
+    /// Say what is in a run, task, policy or MCAP log; several runs side by side
+    #[command(after_help = "\
+Examples:
+  hpf info runs/cantilever
+  hpf info runs/cantilever runs/elsewhere    # side by side, with the keys in which their tasks differ
+  hpf info runs/cantilever/log.mcap --json
+  hpf info tasks/cantilever.toml")]
     Info(Info),
+    /// Rescue what is whole in a truncated or damaged MCAP log
+    #[command(after_help = "\
+Examples:
+  hpf recover runs/cantilever/log.mcap --out rescued.mcap
+  hpf recover runs/cantilever/log.mcap       # writes runs/cantilever/log.recovered.mcap
+
+Kept: every message of every whole chunk, of a cut one as far as it goes, metadata and attachments. Left out: chunks whose
+checksum is wrong. The file that is read is never written.")]
+    Recover(Recover),
+    /// Write a commented task file to start from
+    #[command(after_help = "\
+Examples:
+  hpf init reach                             # writes reach.toml
+  hpf init wall --out press.toml             # a task named press
+  hpf init via_point --out - | head")]
+    Init(Init),
+    /// Write the JSON schema of the task file, for editors
+    #[command(after_help = "\
+Examples:
+  hpf schema --out task.schema.json
+  hpf schema | head
+
+An editor with Taplo (VS Code: Even Better TOML) checks and completes a task file whose first line is
+  #:schema ./task.schema.json")]
+    Schema,
+    /// Write the completions of a shell
+    #[command(after_help = "\
+Examples:
+  hpf completions bash --out completions/hpf # for one user: ~/.local/share/bash-completion/completions/hpf
+  hpf completions zsh --out completions/_hpf # anywhere in fpath
+  hpf completions fish --out completions/hpf.fish
+  hpf completions powershell | head          # or: hpf completions powershell >> $PROFILE
+
+Without --out they go to stdout.")]
+    Completions(Completions),
+    /// Write the manual pages, one per command
+    #[command(after_help = "\
+Examples:
+  hpf manual --out man/man1                  # then: man -M man hpf-learn
+  hpf manual --out man/man1 --force          # again, after an update")]
+    Manual,
 }
 
 /// `hpf learn`
@@ -159,17 +214,91 @@ pub struct Export {
     #[arg(value_name = "POLICY|RUN")]
     pub policy: PathBuf,
     /// Form [postcard: the same as binary]
-    #[arg(long, value_enum, value_name = "FORM")]
-    pub format: Format,
-    /// Scalar
-    #[arg(long, value_enum, value_name = "SCALAR", default_value = "f64")]
-    pub scalar: Precision,
+    #[arg(long, value_enum, value_name = "FORM", required_unless_present = "ros2")]
+    pub format: Option<Format>,
+    /// The same as --format ros2
+    #[arg(long, conflicts_with = "format")]
+    pub ros2: bool,
+    /// Scalar of a form for firmware [default: f64]
+    #[arg(long, value_enum, value_name = "SCALAR")]
+    pub scalar: Option<Precision>,
 }
 
 /// `hpf info`
 #[derive(Args, Debug)]
 pub struct Info {
-    /// Task, policy, run directory or MCAP log
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    /// Run directory or summary.json, task (TOML), policy (JSON or binary) or log (MCAP); several must be runs
+    #[arg(value_name = "RUN|FILE", required = true)]
+    pub files: Vec<PathBuf>,
+}
+
+/// `hpf recover`
+#[derive(Args, Debug)]
+pub struct Recover {
+    /// Truncated or damaged log (.mcap, .mcap.partial)
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+}
+
+/// `hpf init`
+#[derive(Args, Debug)]
+pub struct Init {
+    /// Kind of task
+    #[arg(value_enum, value_name = "KIND")]
+    pub kind: Kind,
+}
+
+/// `hpf completions`
+#[derive(Args, Debug)]
+pub struct Completions {
+    /// Shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub shell: Shell,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use clap::error::ErrorKind;
+
+    use super::*;
+
+    /// Words of a shell line, quotes taken off.
+    fn words(line: &str) -> Vec<String> {
+        let mut words = vec![String::new()];
+        let mut is_quoted = false;
+        for letter in line.chars() {
+            match letter {
+                '\'' => is_quoted = !is_quoted,
+                ' ' | '\n' if !is_quoted => words.push(String::new()),
+                letter => words.last_mut().expect("there is always a word").push(letter),
+            }
+        }
+        words.retain(|word| !word.is_empty());
+        words
+    }
+
+    #[test]
+    fn every_command_that_the_text_of_the_documentation_names_exists_with_its_options() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut pages = vec![root.join("README.md")];
+        pages.extend(fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path()));
+        let mut count = 0;
+        for page in pages.iter().filter(|page| page.extension().is_some_and(|extension| extension == "md")) {
+            let text = fs::read_to_string(page).unwrap();
+            let spans = text.split('`').skip(1).step_by(2).filter(|span| span.starts_with("hpf "));
+            // A form with alternatives or options in brackets is no line to type.
+            for span in spans.filter(|span| !["|", " [", "COMMAND"].iter().any(|part| span.contains(part))) {
+                count += 1;
+                let Err(error) = Arguments::try_parse_from(words(span)) else { continue };
+                // A command is often named without its file, and `KIND` stands for one.
+                let is_short = matches!(error.kind(), ErrorKind::MissingRequiredArgument | ErrorKind::DisplayHelp)
+                    || (error.kind() == ErrorKind::InvalidValue && span.ends_with(|last: char| last.is_uppercase()));
+                assert!(is_short, "{}: `{span}`: {error}", page.display());
+            }
+        }
+        assert!(count > 20, "only {count} commands are named");
+    }
 }

@@ -1,13 +1,18 @@
 //! The commands, one file each: arguments to options to engine to text.
 
 mod check;
+mod completions;
 mod export;
 mod info;
+pub mod init;
 mod learn;
+mod manual;
 mod plot;
+mod recover;
+mod schema;
 mod simulate;
 
-use crate::cli::{Arguments, Command};
+use crate::cli::{Arguments, Command, Common};
 use crate::failure::{Failure, Outcome};
 
 /// Runs the command asked for, on as many threads as asked for.
@@ -16,6 +21,7 @@ use crate::failure::{Failure, Outcome};
 /// [`Failure`] with what to tell the user.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let common = &arguments.common;
+    refuse_meaningless(&arguments.command, common)?;
     let threads = common.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Failure::Work(format!("cannot start threads: {error}")))?;
@@ -26,5 +32,26 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),
         Command::Info(options) => info::info(options, common),
+        Command::Recover(options) => recover::recover(options, common),
+        Command::Init(options) => init::init(options, common),
+        Command::Schema => schema::schema(common),
+        Command::Completions(options) => completions::completions(options, common),
+        Command::Manual => manual::manual(common),
     })
+}
+
+/// An option that promises a result which the command does not have is a mistake, not to be passed over in silence. The
+/// other common options hold for every command: where nothing is drawn, rolled out or replaced, they hold by themselves.
+fn refuse_meaningless(command: &Command, common: &Common) -> Result<(), Failure> {
+    let (name, has_out, has_json) = match command {
+        Command::Check(_) => ("check", false, true),
+        Command::Info(_) => ("info", false, true),
+        Command::Completions(_) => ("completions", true, false),
+        _ => return Ok(()),
+    };
+    let given = [("--out", common.out.is_some() && !has_out), ("--json", common.json && !has_json)];
+    match given.into_iter().find(|(_, is_refused)| *is_refused) {
+        Some((option, _)) => Err(Failure::Input(format!("{option} means nothing to hpf {name}: leave it out"))),
+        None => Ok(()),
+    }
 }

@@ -1,4 +1,5 @@
-//! A policy in the forms that firmware takes: each is a function of the policy and of the scalar.
+//! A policy in the forms that firmware takes: each is a function of the policy and of the scalar. The form for ROS is a
+//! log: `log::bag`.
 
 mod binary;
 mod c;
@@ -20,6 +21,8 @@ pub enum Format {
     /// A few bytes with a checksum, read by hpf_core::packed
     #[value(alias = "postcard")]
     Binary,
+    /// A log of ROS 2 messages (MCAP, CDR) of the motion of a run
+    Ros2,
 }
 
 impl Format {
@@ -29,6 +32,17 @@ impl Format {
             Self::Rust => "rust",
             Self::C => "c",
             Self::Binary => "binary",
+            Self::Ros2 => "ros2",
+        }
+    }
+
+    /// The form, if it is one for firmware.
+    pub fn firmware(self) -> Option<Form> {
+        match self {
+            Self::Rust => Some(|policy, precision| rust::module(policy, precision).into_bytes()),
+            Self::C => Some(|policy, precision| c::header(policy, precision).into_bytes()),
+            Self::Binary => Some(binary::bytes),
+            Self::Ros2 => None,
         }
     }
 
@@ -38,6 +52,7 @@ impl Format {
             Self::Rust => "rs",
             Self::C => "h",
             Self::Binary => "bin",
+            Self::Ros2 => "mcap",
         }
     }
 }
@@ -76,20 +91,19 @@ impl Precision {
     }
 }
 
+/// A form for firmware: the bytes of a policy in a scalar.
+pub type Form = fn(&Policy, Precision) -> Vec<u8>;
+
 /// The policy in the form and scalar asked for.
 ///
 /// # Errors
 /// [`ConfigError`] where the policy makes no skill in this scalar: centers that become one, numbers beyond its range.
-pub fn export(policy: &Policy, format: Format, precision: Precision) -> Result<Vec<u8>, ConfigError> {
+pub fn export(policy: &Policy, form: Form, precision: Precision) -> Result<Vec<u8>, ConfigError> {
     match precision {
         Precision::F32 => check::<f32>(policy)?,
         Precision::F64 => check::<f64>(policy)?,
     }
-    Ok(match format {
-        Format::Rust => rust::module(policy, precision).into_bytes(),
-        Format::C => c::header(policy, precision).into_bytes(),
-        Format::Binary => binary::bytes(policy, precision),
-    })
+    Ok(form(policy, precision))
 }
 
 fn check<T: Real>(policy: &Policy) -> Result<(), ConfigError> {

@@ -9,9 +9,11 @@ use hpf_sim::Policy;
 use hpf_sim::environment::Disturbance;
 use hpf_sim::environment::disturbance::Samples;
 use hpf_sim::task::{MAX_TASK_BYTES, Task};
+use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-use crate::failure::Failure;
+use crate::cli::Common;
+use crate::failure::{Failure, Outcome};
 use crate::{overrides, report};
 
 /// Largest data file read [bytes]: the longest trajectory of the most axes, in full digits.
@@ -43,7 +45,15 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
     read_limited(path, MAX_BYTES)
 }
 
-fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
+/// Reads a file that is no text.
+///
+/// # Errors
+/// [`Failure::Input`] for a file that is missing, a directory, or too large.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    read_bytes_limited(path, MAX_BYTES)
+}
+
+fn read_bytes_limited(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     let say = |what: String| Failure::Input(format!("{}: {what}", path.display()));
     let file = File::open(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => say("there is no such file".into()),
@@ -58,6 +68,11 @@ fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
     if bytes.len() as u64 > limit {
         return Err(say(format!("more than {limit} bytes, which is the most that is read")));
     }
+    Ok(bytes)
+}
+
+fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
+    let bytes = read_bytes_limited(path, limit)?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -172,6 +187,55 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
         }
     };
     write().map_err(while_writing(path))
+}
+
+/// Refuses a target that is no file, or stands there already and may not be replaced.
+///
+/// # Errors
+/// [`Failure::Input`] that says what to pass.
+pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
+    let refuse = |why: &str| Err(Failure::Input(format!("{}: {why}", target.display())));
+    if target.is_dir() || target.file_name().is_none() {
+        return refuse("this is a directory: name a file with --out");
+    }
+    if target.symlink_metadata().is_ok() && !force {
+        return refuse("it exists and is left as it is; pass --force to replace it, or --out to write elsewhere");
+    }
+    Ok(())
+}
+
+/// Puts one result where the user wants it: into the file `--out` or `default`, on stdout for `-` and where there is no
+/// default. `report` tells of a file written, as text and as JSON; where it has nothing to tell, its name is said.
+///
+/// # Errors
+/// [`Failure::Input`] where something stands there or stdout is wanted twice; [`Failure::Work`] from the system.
+pub fn deliver(
+    common: &Common,
+    default: Option<&Path>,
+    bytes: &[u8],
+    report: impl FnOnce(&Path) -> Option<(String, Value)>,
+) -> Result<Outcome, Failure> {
+    let target = match common.out.as_deref().or(default) {
+        Some(target) if target != Path::new("-") => target,
+        target => {
+            if target.is_some() && common.json {
+                return Err(Failure::Input("--out - and --json both want stdout: name a file".into()));
+            }
+            say_bytes(bytes)?;
+            return Ok(Outcome::Done);
+        }
+    };
+    refuse_occupied(target, common.force)?;
+    if let Some(folder) = target.parent() {
+        fs::create_dir_all(folder).map_err(while_writing(folder))?;
+    }
+    write(target, bytes)?;
+    match report(target) {
+        Some((_, object)) if common.json => say(&format!("{object:#}\n"))?,
+        Some((text, _)) => say(&text)?,
+        None => say(&format!("{}: {} bytes\n", target.display(), bytes.len()))?,
+    }
+    Ok(Outcome::Done)
 }
 
 /// Prints a result on stdout. A reader that has seen enough, such as `head`, is no error.

@@ -4,6 +4,7 @@
 
 mod cli;
 mod commands;
+mod comparison;
 mod directory;
 mod export;
 mod failure;
@@ -11,6 +12,7 @@ mod figure;
 mod files;
 mod log;
 mod overrides;
+mod packed;
 mod progress;
 mod render;
 mod report;

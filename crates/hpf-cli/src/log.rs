@@ -6,10 +6,14 @@
 //! the duration. The file only ever grows: a chunk is made in memory and written whole, so that whenever a program is
 //! killed, all but the last record is there.
 
-mod joint_state;
+mod bag;
+mod fields;
 mod motion;
 mod proto;
 mod read;
+mod recover;
+mod ros2;
+mod scan;
 mod scene;
 mod show;
 mod space;
@@ -32,7 +36,9 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions};
 use prost::Message;
 
-pub use self::read::summarize;
+pub use self::bag::bag;
+pub use self::read::{Ending, summarize};
+pub use self::recover::{Recovered, recover};
 use self::topic::Topic;
 use crate::files::sha256;
 use crate::results::{LearningRow, Run};
@@ -102,13 +108,7 @@ impl Log {
     }
 
     fn begin(file: NoSeek<BufWriter<File>>, head: &Head<'_>) -> Result<Self, McapError> {
-        let options = WriteOptions::new()
-            .library(concat!("hpf ", env!("CARGO_PKG_VERSION")))
-            .chunk_size(Some(CHUNK))
-            // One thread: with more, the bytes would be others.
-            .compression_threads(0)
-            .disable_seeking(true);
-        let mut writer = options.create(file)?;
+        let mut writer = options().create(file)?;
         writer.write_metadata(&Metadata { name: "hpf.run".into(), metadata: head.metadata() })?;
         let files =
             [("task.toml", "application/toml", head.task_toml), ("policy.json", "application/json", head.policy_json)];
@@ -227,6 +227,16 @@ pub fn write(path: &Path, head: &Head<'_>, run: &Run, metrics: &[Metric]) -> io:
         // The error to report is the first one; a leftover is removed as far as possible.
         let _ = fs::remove_file(&partial);
     })
+}
+
+/// How logs are written.
+fn options() -> WriteOptions {
+    WriteOptions::new()
+        .library(concat!("hpf ", env!("CARGO_PKG_VERSION")))
+        .chunk_size(Some(CHUNK))
+        // One thread: with more, the bytes would be others.
+        .compression_threads(0)
+        .disable_seeking(true)
 }
 
 /// A time [s] in ns.

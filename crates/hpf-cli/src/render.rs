@@ -34,7 +34,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// A measure in the unit that suits its size: millimetres for small lengths.
-fn measure(value: f64, unit: &str) -> String {
+pub fn measure(value: f64, unit: &str) -> String {
     match unit {
         "m" if value.abs() < 0.1 => format!("{} mm", number(value * 1e3)),
         "" => number(value),

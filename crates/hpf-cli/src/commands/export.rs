@@ -1,62 +1,83 @@
-//! `hpf export`: a policy for firmware.
+//! `hpf export`: a policy for firmware, a run for ROS 2.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
 use crate::cli::{Common, Export};
-use crate::export::export as form;
+use crate::export::{self, Form, Format, Precision};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, policy_path, read_policy, say, say_bytes, while_writing, write};
+use crate::files::{deliver, in_file, policy_path, read_policy};
+use crate::log;
+use crate::results::Run;
 
 /// Runs `hpf export`.
 pub fn export(options: &Export, common: &Common) -> Result<Outcome, Failure> {
-    let source = policy_path(&options.policy)?;
-    let policy = read_policy(&source)?;
-    let bytes = form(&policy, options.format, options.scalar).map_err(|error| {
-        let scalar = options.scalar.name();
-        in_file(&source)(format!("this makes no skill in {scalar}: {error}"))
-    })?;
-    if common.out.as_deref() == Some(Path::new("-")) {
-        if common.json {
-            return Err(Failure::Input("--out - and --json both want stdout: name a file".into()));
-        }
-        say_bytes(&bytes)?;
-        return Ok(Outcome::Done);
+    let format = options.format.unwrap_or(Format::Ros2);
+    match format.firmware() {
+        Some(form) => firmware(options, common, format, form),
+        None => ros2(options, common),
     }
-    let target = target(&source, options, common)?;
-    if let Some(folder) = target.parent() {
-        fs::create_dir_all(folder).map_err(while_writing(folder))?;
-    }
-    write(&target, &bytes)?;
-    let (format, scalar) = (options.format.name(), options.scalar.name());
-    if common.json {
-        let object = json!({
-            "format": "hpf-export", "version": 1, "task": policy.task, "form": format, "scalar": scalar,
-            "file": target.display().to_string(), "bytes": bytes.len(),
-        });
-        say(&format!("{object:#}\n"))?;
-    } else {
-        say(&format!("{}: {format}, {scalar}, {} bytes\n", target.display(), bytes.len()))?;
-    }
-    Ok(Outcome::Done)
 }
 
-/// The file to write: the one asked for, or one beside the policy.
-fn target(source: &Path, options: &Export, common: &Common) -> Result<PathBuf, Failure> {
-    let target = common.out.clone().unwrap_or_else(|| source.with_extension(options.format.extension()));
-    let refuse = |why: &str| Err(Failure::Input(format!("{}: {why}", target.display())));
-    if target.is_dir() || target.file_name().is_none() {
-        return refuse("this is a directory: name a file with --out");
+/// The policy alone, in a form and a scalar.
+fn firmware(options: &Export, common: &Common, format: Format, form: Form) -> Result<Outcome, Failure> {
+    let source = policy_path(&options.policy)?;
+    let policy = read_policy(&source)?;
+    let precision = options.scalar.unwrap_or(Precision::F64);
+    let (name, scalar) = (format.name(), precision.name());
+    let bytes = export::export(&policy, form, precision)
+        .map_err(|error| in_file(&source)(format!("this makes no skill in {scalar}: {error}")))?;
+    let default = source.with_extension(format.extension());
+    refuse_source(common, &default, &source)?;
+    deliver(common, Some(&default), &bytes, |file| {
+        Some((
+            format!("{}: {name}, {scalar}, {} bytes\n", file.display(), bytes.len()),
+            json!({
+                "format": "hpf-export", "version": 1, "task": policy.task, "form": name, "scalar": scalar,
+                "file": file.display().to_string(), "bytes": bytes.len(),
+            }),
+        ))
+    })
+}
+
+/// The motion of a run as a bag of ROS messages.
+fn ros2(options: &Export, common: &Common) -> Result<Outcome, Failure> {
+    if options.scalar.is_some() {
+        return Err(Failure::Input("--scalar is for firmware: ROS messages have their own numbers".into()));
     }
-    if target.symlink_metadata().is_ok() {
-        if target.canonicalize().ok() == source.canonicalize().ok() {
-            return refuse("this is the policy itself: name another file with --out");
-        }
-        if !common.force {
-            return refuse("it exists and is left as it is; pass --force to replace it, or --out to write elsewhere");
-        }
+    let source = run_of(&options.policy)?;
+    let run = Run::load(&source)?;
+    let (bytes, messages) = log::bag(&run).map_err(|error| Failure::Work(format!("cannot make the bag: {error}")))?;
+    let default = source.join("ros2.mcap");
+    deliver(common, Some(&default), &bytes, |file| {
+        Some((
+            format!("{}: ros2, {messages} messages, {} bytes\n", file.display(), bytes.len()),
+            json!({
+                "format": "hpf-export", "version": 1, "task": run.task.name, "form": Format::Ros2.name(),
+                "messages": messages, "file": file.display().to_string(), "bytes": bytes.len(),
+            }),
+        ))
+    })
+}
+
+/// The run directory that is meant: the one named, or that of the policy named.
+fn run_of(path: &Path) -> Result<PathBuf, Failure> {
+    let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+    if folder.join("trajectory.csv").is_file() {
+        return Ok(folder.to_owned());
     }
-    Ok(target)
+    let why = "for ROS 2 a motion is wanted: name a run directory, such as `hpf run POLICY --out DIR` makes";
+    Err(in_file(path)(why))
+}
+
+/// The policy is never replaced by what is made from it.
+fn refuse_source(common: &Common, default: &Path, source: &Path) -> Result<(), Failure> {
+    let target = common.out.as_deref().unwrap_or(default);
+    let is_source =
+        target.canonicalize().is_ok_and(|target| source.canonicalize().is_ok_and(|source| source == target));
+    if is_source {
+        return Err(in_file(target)("this is the policy itself: name another file with --out"));
+    }
+    Ok(())
 }

@@ -1,37 +1,88 @@
-//! `hpf info`: what is in this file?
+//! `hpf info`: what is in this file, and how do these runs compare?
 
-use std::path::Path;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 
+use hpf_core::packed::{MAGIC, Packed};
 use serde_json::{Value, json};
 
 use crate::cli::{Check, Common, Info};
+use crate::comparison::{Comparison, Side};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_text, say};
-use crate::{log, render};
+use crate::files::{in_file, read_bytes, read_task, read_text, say};
+use crate::log::{self, Ending};
+use crate::{packed, render};
 
 /// Runs `hpf info`.
 pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
-    let path = &options.file;
-    let has_extension = |name: &str| path.extension().is_some_and(|extension| extension == name);
-    if path.is_dir() {
-        return summary(&path.join("summary.json"), common);
+    match options.files.as_slice() {
+        [file] => one(file, common),
+        runs => compare(runs, common),
     }
-    if path.file_name().is_some_and(|name| name == "summary.json") {
-        return summary(path, common);
-    }
-    if has_extension("mcap") || path.to_string_lossy().ends_with(".mcap.partial") {
-        let contents = log::summarize(path).map_err(in_file(path))?;
-        say(&if common.json { format!("{:#}\n", contents.to_json()) } else { contents.to_string() })?;
-        return Ok(Outcome::Done);
-    }
-    super::check::check(&Check { file: path.clone(), set: Vec::new(), rate: None, delay: None, load: None }, common)
 }
 
-fn summary(file: &Path, common: &Common) -> Result<Outcome, Failure> {
+fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
+    if let Some(file) = summary_of(path) {
+        let summary = read_summary(&file)?;
+        return answer(common, &summary, || render::summary(&summary));
+    }
+    if begins_with(path, &MAGIC) {
+        let bytes = read_bytes(path)?;
+        let skill = Packed::parse(&bytes).map_err(in_file(path))?;
+        return answer(common, &packed::to_json(&skill), || packed::text(&skill));
+    }
+    if begins_with(path, mcap::MAGIC) || is_named_as_log(path) {
+        let contents = log::summarize(path).map_err(in_file(path))?;
+        let hint = match contents.ending {
+            Ending::Complete => String::new(),
+            _ => format!("\nnext: hpf recover {}\n", path.display()),
+        };
+        return answer(common, &contents.to_json(), || format!("{contents}{hint}"));
+    }
+    super::check::check(&Check { file: path.to_owned(), set: Vec::new(), rate: None, delay: None, load: None }, common)
+}
+
+fn answer(common: &Common, object: &Value, text: impl FnOnce() -> String) -> Result<Outcome, Failure> {
+    say(&if common.json { format!("{object:#}\n") } else { text() })?;
+    Ok(Outcome::Done)
+}
+
+/// Several runs side by side.
+fn compare(runs: &[PathBuf], common: &Common) -> Result<Outcome, Failure> {
+    let sides = runs.iter().map(|path| {
+        let Some(file) = summary_of(path) else {
+            return Err(in_file(path)("this is no run; several files are compared only where each is a run directory"));
+        };
+        let task = read_task(&file.with_file_name("task.toml"), &[])?.task;
+        let task = serde_json::to_value(&task).map_err(in_file(path))?;
+        Ok(Side { name: path.display().to_string(), summary: read_summary(&file)?, task })
+    });
+    let comparison = Comparison::new(sides.collect::<Result<_, _>>()?);
+    answer(common, &comparison.to_json(), || comparison.to_string())
+}
+
+/// The summary that is meant, where a run is: the one named, or that of the run directory named.
+fn summary_of(path: &Path) -> Option<PathBuf> {
+    let is_summary = path.file_name().is_some_and(|name| name == "summary.json");
+    if path.is_dir() { Some(path.join("summary.json")) } else { is_summary.then(|| path.to_owned()) }
+}
+
+fn read_summary(file: &Path) -> Result<Value, Failure> {
     let summary: Value = serde_json::from_str(&read_text(file)?).map_err(in_file(file))?;
     if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
         return Err(in_file(file)("this is not a summary of version 1"));
     }
-    say(&if common.json { format!("{summary:#}\n") } else { render::summary(&summary) })?;
-    Ok(Outcome::Done)
+    Ok(summary)
+}
+
+fn begins_with(path: &Path, magic: &[u8]) -> bool {
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut start));
+    read.is_ok() && start == magic
+}
+
+fn is_named_as_log(path: &Path) -> bool {
+    let name = path.to_string_lossy();
+    name.ends_with(".mcap") || name.ends_with(".mcap.partial")
 }

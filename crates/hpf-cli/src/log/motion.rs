@@ -5,8 +5,8 @@ use hpf_sim::task::{Task, Unit};
 use hpf_sim::{Metric, Trace};
 use mcap::McapError;
 
-use super::joint_state::{Header, JointState};
-use super::scene::Scene;
+use super::ros2::{self, Header, JointState};
+use super::scene::{Scene, environment_force};
 use super::space::Space;
 use super::topic::Topic;
 use super::{Log, WORLD, nanoseconds, proto, timestamp};
@@ -21,7 +21,7 @@ impl Log {
         if let Some(last) = run.learning.last() {
             self.updates = last.update.max(1);
         }
-        let motion = Motion { task: &run.task, trace: &run.trajectory, space: Space::new(&run.task) };
+        let motion = Motion::new(run);
         if let [first, _, ..] = run.learning.as_slice() {
             self.say(0, Level::Info, format!("start: cost {}", short(first.total)))?;
         }
@@ -68,7 +68,7 @@ impl Log {
         let transforms = vec![transform("tool", tool), transform("reference", reference)];
         self.send(Topic::Transforms, time, &FrameTransforms { transforms })?;
         self.send(Topic::State, time, &motion.state(i))?;
-        self.send_bytes(Topic::Axes, time, &motion.joints(i, stamp))
+        self.send_bytes(Topic::Axes, time, &motion.joints(i, Header::new(time, WORLD)))
     }
 
     fn results(&mut self, run: &Run, metrics: &[Metric]) -> Result<(), McapError> {
@@ -94,13 +94,17 @@ impl Log {
 }
 
 /// A motion and where it takes place.
-struct Motion<'a> {
-    task: &'a Task,
-    trace: &'a Trace,
+pub(super) struct Motion<'a> {
+    pub(super) task: &'a Task,
+    pub(super) trace: &'a Trace,
     space: Space,
 }
 
-impl Motion<'_> {
+impl<'a> Motion<'a> {
+    pub(super) fn new(run: &'a Run) -> Self {
+        Self { task: &run.task, trace: &run.trajectory, space: Space::new(&run.task) }
+    }
+
     fn travel(&self, i: usize) -> f64 {
         self.trace.contact.as_ref().and_then(|contact| contact.travel.get(i)).copied().unwrap_or_default()
     }
@@ -110,7 +114,7 @@ impl Motion<'_> {
     }
 
     /// Of the tool, and of its reference.
-    fn poses(&self, i: usize) -> [Pose; 2] {
+    pub(super) fn poses(&self, i: usize) -> [Pose; 2] {
         let (axes, travel) = (&self.trace.axes, self.travel(i));
         [self.space.pose(|a| axes[a].position[i], travel), self.space.pose(|a| axes[a].reference_position[i], travel)]
     }
@@ -161,16 +165,21 @@ impl Motion<'_> {
         proto::State { time_s: self.trace.time[i], phase: self.trace.phase[i], linear_axes, rotary_axes, contact }
     }
 
-    fn joints(&self, i: usize, stamp: Timestamp) -> Vec<u8> {
+    /// Force [N] and torque [N m] of the environment on the tool, in space.
+    pub(super) fn wrench(&self, i: usize) -> ([f64; 3], [f64; 3]) {
+        let load = |a: usize| environment_force(self.task, self.trace, a, i);
+        (self.space.vector(load), self.space.torque(load))
+    }
+
+    pub(super) fn joints(&self, i: usize, header: Header) -> Vec<u8> {
         let names: Vec<&str> = self.task.axis.iter().map(|axis| axis.name.as_str()).collect();
         let [position, velocity, effort] = [
             self.trace.axes.iter().map(|axis| axis.position[i]).collect::<Vec<_>>(),
             self.trace.axes.iter().map(|axis| axis.velocity[i]).collect(),
             self.trace.axes.iter().map(|axis| axis.force[i]).collect(),
         ];
-        let header =
-            Header { sec: i32::try_from(stamp.sec()).unwrap_or(i32::MAX), nanosec: stamp.nsec(), frame_id: WORLD };
-        JointState { header, name: &names, position: &position, velocity: &velocity, effort: &effort }.to_cdr()
+        let joints = JointState { header, name: &names, position: &position, velocity: &velocity, effort: &effort };
+        ros2::to_cdr(&joints)
     }
 }
 

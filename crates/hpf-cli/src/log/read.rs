@@ -13,6 +13,8 @@ use mcap::McapError;
 use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use super::fields::{Fields, chunk};
+
 /// Bytes read at once.
 const BLOCK: usize = 64 << 10;
 /// Largest record, if the file is not larger [bytes]: a chunk can hold more than its file is long.
@@ -142,7 +144,7 @@ impl Contents {
         if opcode != op::CHUNK {
             return self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)));
         }
-        if !is_framed(data) {
+        if chunk(data).is_none_or(|chunk| !chunk.is_framed()) {
             return Err(Ending::Damaged(bad_record(opcode)));
         }
         // A chunk whose checksum is wrong gives no record at all.
@@ -202,13 +204,7 @@ impl Contents {
             }
             op::METADATA => {
                 let name = fields.text()?;
-                let length = fields.u32()? as usize;
-                let mut pairs = Fields(fields.bytes(length)?);
-                let mut map = BTreeMap::new();
-                while !pairs.0.is_empty() {
-                    map.insert(pairs.text()?, pairs.text()?);
-                }
-                self.summary.metadata.insert(name, map);
+                self.summary.metadata.insert(name, fields.map()?);
             }
             _ => {}
         }
@@ -228,56 +224,4 @@ impl Contents {
 
 fn bad_record(opcode: u8) -> String {
     format!("a record of kind {opcode:#04x} has fields longer than itself")
-}
-
-/// Whether the header of a chunk is whole and, where the chunk is not compressed, its records fill it.
-fn is_framed(chunk: &[u8]) -> bool {
-    let mut fields = Fields(chunk);
-    let records = (|| {
-        fields.bytes(28)?;
-        let compression = fields.text()?;
-        let length = usize::try_from(fields.u64()?).ok()?;
-        Some((compression, fields.bytes(length)?))
-    })();
-    let Some((compression, records)) = records else { return false };
-    let mut records = Fields(records);
-    while compression.is_empty() && !records.0.is_empty() {
-        let length = records.bytes(1).and_then(|_| records.u64()).and_then(|length| usize::try_from(length).ok());
-        if length.and_then(|length| records.bytes(length)).is_none() {
-            return false;
-        }
-    }
-    true
-}
-
-/// The fields of a record, taken from its front; `None` where it is too short.
-struct Fields<'a>(&'a [u8]);
-
-impl<'a> Fields<'a> {
-    fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (front, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(front)
-    }
-
-    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.bytes(N)?.try_into().ok()
-    }
-
-    fn u16(&mut self) -> Option<u16> {
-        self.array().map(u16::from_le_bytes)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    fn text(&mut self) -> Option<String> {
-        let length = self.u32()? as usize;
-        self.bytes(length).map(|text| String::from_utf8_lossy(text).into_owned())
-    }
 }

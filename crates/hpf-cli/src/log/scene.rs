@@ -108,7 +108,7 @@ impl<'a> Scene<'a> {
 }
 
 /// Force of the environment on the tool along axis `a` [N]: what the admittance sees, less the set-point it is told.
-fn environment_force(task: &Task, trace: &Trace, a: usize, i: usize) -> f64 {
+pub(super) fn environment_force(task: &Task, trace: &Trace, a: usize, i: usize) -> f64 {
     let set_point = match (&task.contact, &trace.contact) {
         (Some(contact), Some(signals)) if signals.axis == a => contact.surface(0.0, 0.0).direction * signals.set_point,
         _ => 0.0,

@@ -7,11 +7,21 @@ use serde_json::{Value, json};
 use super::read::{Ending, Summary};
 
 impl Ending {
-    fn word(&self) -> &'static str {
+    /// The ending in one word.
+    pub fn word(&self) -> &'static str {
         match self {
             Self::Complete => "complete",
             Self::Truncated => "truncated",
             Self::Damaged(_) => "damaged",
+        }
+    }
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Damaged(reason) => write!(f, "damaged ({reason})"),
+            whole_or_cut => f.write_str(whole_or_cut.word()),
         }
     }
 }
@@ -51,12 +61,8 @@ impl Summary {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.ending {
-            Ending::Complete => write!(f, "complete")?,
-            Ending::Truncated => write!(f, "truncated; up to there")?,
-            Ending::Damaged(reason) => write!(f, "damaged ({reason}); up to there")?,
-        }
-        write!(f, ": {} messages in {} chunks", self.messages, self.chunks)?;
+        let up_to = if self.ending == Ending::Complete { "" } else { "; up to there" };
+        write!(f, "{}{up_to}: {} messages in {} chunks", self.ending, self.messages, self.chunks)?;
         if let Some((start, end)) = self.times {
             write!(f, ", from {} s to {} s", seconds(start), seconds(end))?;
         }

@@ -58,6 +58,17 @@ impl Space {
         vector
     }
 
+    /// A torque with one component per rotary axis, about the coordinates.
+    pub fn torque(&self, of_axis: impl Fn(usize) -> f64) -> [f64; 3] {
+        let mut torque = [0.0; 3];
+        for (a, place) in self.axes.iter().enumerate() {
+            if let Place::About(c) = *place {
+                torque[c] = of_axis(a);
+            }
+        }
+        torque
+    }
+
     /// A position with one number per axis, `travel` [m] along the contact.
     pub fn position(&self, of_axis: impl Fn(usize) -> f64, travel: f64) -> [f64; 3] {
         let mut position = self.vector(of_axis);

@@ -10,6 +10,7 @@ use mcap::MessageStream;
 use prost::Message as _;
 
 use super::read::{Ending, summarize_bytes};
+use super::recover::recover;
 use super::*;
 
 /// A beam and a turning axis, so that a log has everything in it.
@@ -203,5 +204,125 @@ fn lengths_in_a_file_are_not_believed() {
         let found = summarize_bytes(bytes.as_slice(), bytes.len() as u64).unwrap();
         assert_eq!((found.chunks, found.messages), (0, 0), "case {i}");
         assert_ne!(found.ending, Ending::Complete, "case {i}");
+    }
+}
+
+/// A message as the strict reader gives it: topic, time and bytes.
+type Message = (String, u64, Vec<u8>);
+
+/// Every message of a log, and the chunks they are in, by where these begin and end.
+fn by_chunk(bytes: &[u8]) -> Vec<(core::ops::Range<usize>, Vec<Message>)> {
+    let summary = mcap::Summary::read(bytes).unwrap().unwrap();
+    let chunk = |index: &mcap::records::ChunkIndex| {
+        let begin = index.chunk_start_offset as usize;
+        let messages = summary.stream_chunk(bytes, index).unwrap().map(Result::unwrap);
+        let messages = messages.map(|m| (m.channel.topic.clone(), m.log_time, m.data.into_owned())).collect();
+        (begin..begin + index.chunk_length as usize, messages)
+    };
+    summary.chunk_indexes.iter().map(chunk).collect()
+}
+
+/// All messages of a log that was rescued; every checksum and the index are right.
+fn strictly(bytes: &[u8]) -> Vec<Message> {
+    assert_eq!(summarize_bytes(bytes, bytes.len() as u64).unwrap().ending, Ending::Complete);
+    by_chunk(bytes).into_iter().flat_map(|(_, messages)| messages).collect()
+}
+
+#[test]
+fn recovery_of_a_cut_log_keeps_every_whole_chunk() {
+    let bytes = log_of(&run(), "recover_cut");
+    let chunks = by_chunk(&bytes);
+    let all: Vec<Message> = chunks.iter().flat_map(|(_, messages)| messages.clone()).collect();
+    let ends = chunks.iter().flat_map(|(place, _)| [place.end - 1, place.end, place.end + 1]);
+    for cut in (0..bytes.len()).step_by(bytes.len() / 200).chain(ends) {
+        let Ok(found) = recover(&bytes[..cut]) else {
+            assert!(cut < 600, "nothing is found in {cut} bytes");
+            continue;
+        };
+        let rescued = strictly(&found.bytes);
+        assert!(rescued == all[..rescued.len()], "at {cut}: what is rescued is the beginning of what there was");
+        let whole: usize =
+            chunks.iter().filter(|(place, _)| place.end <= cut).map(|(_, messages)| messages.len()).sum();
+        assert!(rescued.len() >= whole, "at {cut}: {} of {whole} messages", rescued.len());
+        assert_eq!((found.messages, found.damaged, found.orphans), (rescued.len() as u64, 0, 0), "at {cut}");
+        assert_eq!(found.ending, Ending::Truncated, "at {cut}");
+        if whole > 0 {
+            assert_eq!((found.metadata.len(), found.attachments.len()), (1, 2), "at {cut}");
+        }
+    }
+    let whole = recover(&bytes).unwrap();
+    assert!(strictly(&whole.bytes) == all && whole.ending == Ending::Complete && whole.last_update == Some(4));
+}
+
+#[test]
+fn recovery_of_a_damaged_log_keeps_every_other_chunk() {
+    let bytes = log_of(&run(), "recover_damaged");
+    let chunks = by_chunk(&bytes);
+    let lengths = chunks.iter().flat_map(|(place, _)| (place.start..place.start + 60).chain(place.end..place.end + 20));
+    for at in (0..bytes.len()).step_by(bytes.len() / 200).chain(lengths) {
+        for flip in [0x01, 0xff] {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= flip;
+            let found = recover(&damaged).unwrap();
+            let rescued = strictly(&found.bytes);
+            let expected = chunks.iter().filter(|(place, _)| !place.contains(&at)).flat_map(|(_, messages)| messages);
+            let mut rest = rescued.iter();
+            for message in expected {
+                assert!(rest.any(|found| found == message), "{flip:#x} at {at}: a message of a whole chunk is lost");
+            }
+            let mut all = chunks.iter().flat_map(|(_, messages)| messages);
+            for message in &rescued {
+                assert!(all.any(|there| there == message), "{flip:#x} at {at}: a message that was not there");
+            }
+            assert_ne!(found.ending, Ending::Complete, "{flip:#x} at {at}");
+        }
+    }
+}
+
+#[test]
+fn recovery_reads_a_chunk_that_was_never_closed() {
+    let run = run();
+    let whole = log_of(&run, "recover_open");
+    let first = by_chunk(&whole).remove(0);
+    let messages: Vec<u8> = (0..50_u64)
+        .flat_map(|i| {
+            let fields = [&1_u16.to_le_bytes()[..], &[0; 4], &i.to_le_bytes(), &i.to_le_bytes(), &[7; 100]].concat();
+            [&[5][..], &(fields.len() as u64).to_le_bytes(), &fields].concat()
+        })
+        .collect();
+    let packed = zstd::encode_all(messages.as_slice(), 3).unwrap();
+    for (compression, records) in [("", messages), ("zstd", packed)] {
+        // As writers that seek leave it: every length, size and checksum is still to come.
+        let name = [&(compression.len() as u32).to_le_bytes()[..], compression.as_bytes()].concat();
+        let chunk = [&[6][..], &[0xff; 8], &[0; 16], &[0xff; 8], &[0xff; 4], &name, &[0xff; 8], &records].concat();
+        let open = [&whole[..first.0.end], &chunk].concat();
+        let found = recover(&open).unwrap();
+        assert_eq!(found.messages, first.1.len() as u64 + 50, "{compression}");
+        assert_eq!((found.chunks, found.from_cut_chunk, found.strange_bytes), (1, 50, 0), "{compression}");
+        let rescued = strictly(&found.bytes);
+        assert!(rescued[..first.1.len()] == first.1[..] && rescued.last().unwrap().1 == 49, "{compression}");
+    }
+}
+
+#[test]
+fn recovery_believes_no_length_and_refuses_what_is_no_log() {
+    assert!(recover(b"").is_err() && recover(&mcap::MAGIC[..5]).is_err() && recover(mcap::MAGIC).is_err());
+    assert!(recover(TASK.as_bytes()).unwrap_err().to_string().contains("this is not an MCAP file"));
+    let mut random = 1_u32;
+    let noise: Vec<u8> = core::iter::repeat_with(|| {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 24) as u8
+    })
+    .take(100_000)
+    .collect();
+    assert!(recover(&noise).is_err());
+    for opcode in [1, 3, 4, 5, 6, 9, 12, 0x80] {
+        for length in [0_u64, 40, 1 << 40, u64::MAX - 8, u64::MAX] {
+            let bytes = [mcap::MAGIC, &[opcode], &length.to_le_bytes(), &[0xff; 40]].concat();
+            if let Ok(found) = recover(&bytes) {
+                assert_eq!((found.messages, found.chunks), (0, 0), "{opcode:#x}, {length}");
+                strictly(&found.bytes);
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@ use foxglove::messages::{FrameTransforms, Log, PoseInFrame, PosesInFrame, SceneU
 use foxglove::{Encode, Schema};
 use prost::Message;
 
-use super::{joint_state, proto};
+use super::{proto, ros2};
 
 /// A topic of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl Topic {
         let foxglove = match self {
             Self::State => return own("hpf.State"),
             Self::Update => return own("hpf.Update"),
-            Self::Axes => return Schema::new(joint_state::NAME, "ros2msg", joint_state::DEFINITION.as_bytes()),
+            Self::Axes => return ros2::schema(ros2::JOINT_STATE),
             Self::ToolPose | Self::ReferencePose => PoseInFrame::get_schema(),
             Self::Transforms => FrameTransforms::get_schema(),
             Self::ReferencePath | Self::LearnedPath => PosesInFrame::get_schema(),

@@ -1,0 +1,91 @@
+//! A packed skill read back, as text and as JSON.
+
+use core::fmt::Write as _;
+
+use hpf_core::packed::Packed;
+use serde_json::{Value, json};
+
+use crate::render::number;
+
+/// What a packed skill holds of one axis.
+struct Axis {
+    unit: &'static str,
+    start: f64,
+    goal: f64,
+    /// Stiffness and damping.
+    gains: [Range; 2],
+}
+
+/// Weights of a gain and their bounds.
+struct Range {
+    least: f64,
+    most: f64,
+    min: f64,
+    max: f64,
+}
+
+impl Range {
+    /// The range of a gain as it is packed: its bounds, then its weights.
+    fn of(numbers: &[f64]) -> Self {
+        let weights = &numbers[2..];
+        let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Self { least, most, min: numbers[0], max: numbers[1] }
+    }
+
+    fn to_json(&self) -> Value {
+        json!({ "least": self.least, "most": self.most, "min": self.min, "max": self.max })
+    }
+}
+
+/// The axes, which stand last in a packed skill.
+fn axes_of(skill: &Packed<'_>) -> Vec<Axis> {
+    let numbers: Vec<f64> = skill.values().collect();
+    let [movement, stiffness, damping] = skill.head().functions.map(usize::from);
+    let length = 4 + movement + 2 + stiffness + 2 + damping;
+    let axes = &numbers[numbers.len() - usize::from(skill.head().axes) * length..];
+    let axis = |(i, axis): (usize, &[f64])| {
+        let unit = if skill.head().rotary >> i & 1 == 1 { "rad" } else { "m" };
+        let (stiffness, damping) = axis[4 + movement..].split_at(2 + stiffness);
+        Axis { unit, start: axis[0], goal: axis[1], gains: [stiffness, damping].map(Range::of) }
+    };
+    axes.chunks_exact(length).enumerate().map(axis).collect()
+}
+
+/// What a packed skill is.
+pub fn text(skill: &Packed<'_>) -> String {
+    let head = skill.head();
+    let duration = skill.values::<f64>().next().unwrap_or_default();
+    let [movement, stiffness, damping] = head.functions;
+    let mut text = format!(
+        "a packed skill, intact: {} axes in f{}, {duration} s, {} bytes\n",
+        head.axes,
+        8 * head.scalar.width(),
+        head.length()
+    );
+    let _ = writeln!(text, "  basis       {movement} movement, {stiffness} stiffness, {damping} damping");
+    for (i, axis) in axes_of(skill).into_iter().enumerate() {
+        let _ = writeln!(text, "  axis        {i}: {} -> {} {}", axis.start, axis.goal, axis.unit);
+        for (name, Range { least, most, min, max }) in ["stiffness", "damping"].into_iter().zip(axis.gains) {
+            let [least, most, min, max] = [least, most, min, max].map(number);
+            let _ = writeln!(text, "    {name:<9} {least} .. {most}, bounds {min} .. {max}");
+        }
+    }
+    text
+}
+
+/// The same for programs.
+pub fn to_json(skill: &Packed<'_>) -> Value {
+    let axes = axes_of(skill).into_iter().map(|axis| {
+        let [stiffness, damping] = axis.gains.map(|gain| gain.to_json());
+        json!({
+            "unit": axis.unit, "start": axis.start, "goal": axis.goal, "stiffness": stiffness, "damping": damping,
+        })
+    });
+    let head = skill.head();
+    json!({
+        "format": "hpf-packed-info", "version": 1, "scalar": format!("f{}", 8 * head.scalar.width()),
+        "bytes": head.length(), "functions": head.functions, "duration_s": skill.values::<f64>().next(),
+        "axes": axes.collect::<Vec<_>>(),
+    })
+}

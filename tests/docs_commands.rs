@@ -1,0 +1,109 @@
+//! Every command that the help and the documentation show is run.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::support::{expect, folder, read, root};
+
+/// Commands that take minutes: their own tests run them, with less to do.
+const ELSEWHERE: [&str; 2] = ["sweep", "reproduce"];
+
+/// A folder with the shipped tasks, what the commands shown start from, and `hpf` on the way to it.
+fn workplace() -> tempfile::TempDir {
+    let folder = folder();
+    fs::create_dir(folder.path().join("tasks")).unwrap();
+    for entry in fs::read_dir(root().join("tasks")).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, folder.path().join("tasks").join(path.file_name().unwrap())).unwrap();
+    }
+    folder
+}
+
+/// Runs one line of a shell; `hpf` is the built one. It ends as the line says: "exit code 3", else 0.
+fn run(folder: &Path, line: &str, place: &str) {
+    let expected = if line.contains("exit code 3") { 3 } else { 0 };
+    let built = Path::new(env!("CARGO_BIN_EXE_hpf")).parent().unwrap();
+    let path = format!("{}:{}", built.display(), std::env::var("PATH").unwrap_or_default());
+    let output =
+        Command::new("sh").current_dir(folder).env("PATH", path).args(["-c", line]).output().expect("sh starts");
+    assert_eq!(
+        output.status.code(),
+        Some(expected),
+        "{place}: {line}\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+fn is_cheap(line: &str) -> bool {
+    !ELSEWHERE.iter().any(|command| line.starts_with(&format!("hpf {command}")))
+}
+
+/// The lines of a page's shell blocks that begin with `hpf`.
+fn shell_lines(page: &str) -> Vec<String> {
+    let blocks = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap_or_default());
+    let lines = blocks.flat_map(str::lines);
+    // What the README calls by way of cargo is the same program.
+    let lines = lines.map(|line| line.replacen("cargo run --release -- ", "hpf ", 1));
+    lines.filter(|line| line.starts_with("hpf ")).collect()
+}
+
+/// Command and file, by which lines of two pages make the same run.
+fn words(line: &str) -> Vec<&str> {
+    line.split_whitespace().take(3).collect()
+}
+
+#[test]
+fn every_command_of_the_documentation_runs() {
+    let root = root();
+    let mut pages = vec![root.join("README.md")];
+    pages.extend(fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path()));
+    pages.retain(|page| page.extension().is_some_and(|extension| extension == "md"));
+    // The README first: what it makes, the other pages look at.
+    pages[1..].sort();
+    let mut count = 0;
+    let readme = shell_lines(&read(&pages[0]));
+    for page in &pages {
+        let folder = workplace();
+        let lines = shell_lines(&read(page));
+        let shown = |line: &String| lines.iter().any(|own| words(own) == words(line));
+        let before = readme.iter().filter(|line| line.starts_with("hpf learn") && !shown(line));
+        before
+            .filter(|_| page != &pages[0] && !lines.is_empty())
+            .for_each(|line| run(folder.path(), line, "README.md"));
+        for line in lines.iter().filter(|line| is_cheap(line)) {
+            run(folder.path(), line, &page.display().to_string());
+            count += 1;
+        }
+    }
+    assert!(count >= 15, "only {count} commands are shown");
+}
+
+#[test]
+fn every_example_of_the_help_runs() {
+    let (main, _) = expect(0, folder().path(), &["--help"]);
+    let commands = main.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let commands = commands.lines().map(|line| line.split_whitespace().next().unwrap()).filter(|name| *name != "help");
+    let mut helps = vec![("hpf".to_owned(), main.clone())];
+    helps.extend(commands.map(|name| (name.to_owned(), expect(0, folder().path(), &[name, "--help"]).0)));
+    assert!(helps.len() > 10);
+    for (name, help) in helps {
+        let examples = help.split("\nExample").nth(1).unwrap_or_else(|| panic!("hpf {name} has no examples"));
+        let lines: Vec<&str> = examples
+            .lines()
+            .filter_map(|line| line.strip_prefix("  "))
+            .filter(|line| line.starts_with("hpf "))
+            .collect();
+        assert!(!lines.is_empty(), "hpf {name} has no examples");
+        let folder = workplace();
+        if !["hpf", "learn"].contains(&name.as_str()) {
+            run(folder.path(), "hpf learn tasks/cantilever.toml --quiet", "before the examples");
+            run(folder.path(), "hpf learn tasks/reach.toml --quiet --out runs/elsewhere", "before the examples");
+            run(folder.path(), "cp runs/cantilever/policy.json policy.json", "before the examples");
+        }
+        for line in lines.into_iter().filter(|line| is_cheap(line)) {
+            run(folder.path(), line, &format!("hpf {name} --help"));
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! `hpf init` and `hpf schema`
+
+use std::fs;
+
+use crate::support::{expect, folder, read, root};
+
+const KINDS: [&str; 6] = ["reach", "via_point", "cantilever", "cantilever_moving_load", "wall", "joint"];
+
+#[test]
+fn every_kind_is_a_commented_task_that_is_valid_and_learns() {
+    let folder = folder();
+    for kind in KINDS {
+        let (stdout, _) = expect(0, folder.path(), &["init", kind]);
+        let file = format!("{kind}.toml");
+        assert!(stdout.starts_with(&format!("{file}: a task of kind {kind}")), "{stdout}");
+        let text = read(folder.path().join(&file));
+        assert!(text.contains(&format!("hpf learn {file}")), "{text}");
+        let uncommented: Vec<&str> = text
+            .lines()
+            .filter(|line| ["duration", "rate"].iter().any(|key| line.starts_with(key)) && !line.contains('#'))
+            .collect();
+        assert!(uncommented.is_empty(), "{kind}: {uncommented:?} say no unit");
+        expect(0, folder.path(), &["check", &file]);
+        expect(0, folder.path(), &["learn", &file, "--quiet"]);
+    }
+    let (help, _) = expect(0, folder.path(), &["init", "--help"]);
+    assert!(KINDS.iter().all(|kind| help.contains(&format!("- {kind}: "))), "{help}");
+}
+
+#[test]
+fn a_task_is_named_after_its_file_and_replaces_nothing() {
+    let folder = folder();
+    expect(0, folder.path(), &["init", "reach", "--out", "mine/my_arm.toml"]);
+    let file = folder.path().join("mine/my_arm.toml");
+    let text = read(&file);
+    assert!(text.contains("\nname = \"my_arm\"\n") && text.contains("hpf learn mine/my_arm.toml"), "{text}");
+    fs::write(&file, "mine").unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["init", "wall", "--out", "mine/my_arm.toml"]);
+    assert!(stderr.contains("--force"), "{stderr}");
+    assert_eq!(read(&file), "mine");
+    expect(0, folder.path(), &["init", "wall", "--out", "mine/my_arm.toml", "--force", "--json"]);
+    assert!(read(&file).contains("kind = \"wall\""));
+    let (stdout, _) = expect(0, folder.path(), &["init", "reach", "--out", "-"]);
+    assert!(stdout.contains("\nname = \"reach\"\n"), "{stdout}");
+    // A name that no task may have stays in the file's name.
+    expect(0, folder.path(), &["init", "reach", "--out", "my arm.toml"]);
+    expect(0, folder.path(), &["check", "my arm.toml"]);
+    expect(2, folder.path(), &["init", "nothing"]);
+}
+
+#[test]
+fn the_schema_is_json_and_knows_the_keys_of_the_shipped_tasks() {
+    let folder = folder();
+    let (stdout, _) = expect(0, folder.path(), &["schema"]);
+    let schema: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert!(schema["$schema"].as_str().unwrap().starts_with("https://json-schema.org/"));
+    for entry in fs::read_dir(root().join("tasks")).unwrap() {
+        let text = read(entry.unwrap().path());
+        let tables = text.lines().filter_map(|line| line.strip_prefix('[')?.trim_start_matches('[').split(']').next());
+        for table in tables {
+            assert!(schema["properties"][table].is_object(), "{table}");
+        }
+    }
+    expect(0, folder.path(), &["schema", "--out", "task.schema.json"]);
+    assert_eq!(read(folder.path().join("task.schema.json")), stdout);
+    expect(2, folder.path(), &["schema", "--out", "task.schema.json"]);
+}
