@@ -16,4 +16,5 @@ mod recover;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;
+mod stochastic;
 mod support;

@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
-use hpf_sim::{Certificate, Conditions, Metric, Passivity, Policy};
+use hpf_sim::{Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
 
 use crate::summary::Summary;
@@ -211,19 +211,21 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
             Unit::M => ["m", "N", "N/m", "N s/m"],
             Unit::Rad => ["rad", "N m", "N m/rad", "N m s/rad"],
         };
-        let passive = match certificate.passivity {
-            Passivity::FirstOrder { fails_at: None } => "yes, from rest".into(),
-            Passivity::FirstOrder { fails_at: Some(time) } => {
-                format!("NOT from {} s on: a tank has to guard it", number(time))
-            }
-            Passivity::SecondOrder { decay: Some(decay) } => format!("yes (a = {} 1/s proves it)", number(decay)),
-            Passivity::SecondOrder { decay: None } => "not proved: a tank has to guard it".into(),
+        let passive = match certificate.fails_at {
+            None => "yes, from rest".into(),
+            Some(time) => format!("NOT from {} s on: a tank has to guard it", number(time)),
+        };
+        let stable = match (policy.admittance.order, certificate.decay) {
+            (1, _) => "yes, as every law of first order".into(),
+            (_, Some(decay)) => format!("yes, a = {} 1/s proves it", number(decay)),
+            (_, None) => "not proved: stiffness rises faster than damping can take".into(),
         };
         let (energy, offset) = (number(certificate.switched_energy), measure(certificate.largest_offset, unit));
         let contact = number(certificate.contact_stiffness);
         let least = number(certificate.least_damping);
         let (velocity, acceleration) = (number(certificate.peak_velocity), number(certificate.peak_acceleration));
         let _ = writeln!(text, "  {}", axis.name);
+        let _ = writeln!(text, "    stable    {stable}");
         let _ = writeln!(text, "    passive   {passive}");
         let _ = writeln!(
             text,

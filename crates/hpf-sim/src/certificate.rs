@@ -29,26 +29,14 @@ pub struct Conditions {
 /// Instants at which the largest offset of a tool with inertia is looked for.
 const INSTANTS: usize = 64;
 
-/// Whether a schedule of gains can ever give more energy than it was given, from rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Passivity {
-    /// Law of order 1, decided exactly (Riccati).
-    FirstOrder {
-        /// First time at which it is not passive [s].
-        fails_at: Option<f64>,
-    },
-    /// Law of order 2, by a sufficient test (Kronander and Billard, IEEE T-RO 32(5):1298, 2016).
-    SecondOrder {
-        /// The decay a that proves it passive [1/s]; without one nothing is known.
-        decay: Option<f64>,
-    },
-}
-
 /// What one axis can do at worst.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// Whether the schedule of gains is passive from rest.
-    pub passivity: Passivity,
+    /// First time at which the schedule of gains is not passive from rest, with inertia as without [s].
+    pub fails_at: Option<f64>,
+    /// Of a law of order 2, a decay that proves its free motion stable [1/s]: a sufficient test (Kronander and Billard,
+    /// IEEE T-RO 32(5):1298, 2016). A law of order 1 is always stable.
+    pub decay: Option<f64>,
     /// Largest offset under any force within the load [axis unit]; with inertia, the largest at 64 instants.
     pub largest_offset: f64,
     /// Most energy that rising stiffness puts in while the offset stays within the largest [J].
@@ -154,17 +142,17 @@ fn certify(
     let [axis] = skill.axes();
     let least_damping = gains.iter().map(|gain| gain.1).fold(f64::INFINITY, f64::min);
 
-    let (passivity, offset, contact_stiffness) = match mass {
+    let (decay, offset, contact_stiffness) = match mass {
         Some(mass) => {
             let law = Inertial::new(mass, axis.stiffness.max(), axis.damping.max(), h)?;
             (
-                Passivity::SecondOrder { decay: inertial_decay(gains.iter().copied(), mass, h) },
+                inertial_decay(gains.iter().copied(), mass, h),
                 largest_inertial_offset(&gains, &law, conditions.load, h),
                 inertial_contact_stiffness_limit(mass, least_damping, conditions.delay, h),
             )
         }
         None => (
-            Passivity::FirstOrder { fails_at: first_order_fails_at(gains.iter().copied(), h) },
+            None,
             largest_offset(gains.iter().copied(), conditions.load, h),
             contact_stiffness_limit(least_damping, conditions.delay, h),
         ),
@@ -182,7 +170,8 @@ fn certify(
         acceleration = acceleration.max((pull / (duration * duration)).abs());
     }
     Ok(Certificate {
-        passivity,
+        fails_at: first_order_fails_at(gains.iter().copied(), h),
+        decay,
         largest_offset: offset,
         switched_energy: switched_energy(gains.iter().map(|gain| gain.0), offset),
         least_damping,

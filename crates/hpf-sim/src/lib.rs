@@ -16,7 +16,7 @@ mod simulation;
 pub mod task;
 mod trace;
 
-pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS, MeasuredContact, Passivity};
+pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS, MeasuredContact};
 pub use metrics::Metric;
 pub use policy::{
     AdmittancePolicy, AxisPolicy, Family, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyBasis,

@@ -91,6 +91,7 @@ pub struct Simulation {
     pub(crate) signals: SignalModel,
     /// The first of the draws that policies are measured by: what a trace shows.
     shown: Circumstances,
+    is_random: bool,
     robot: Option<Robot>,
     instructions: pulp::Arch,
 }
@@ -214,6 +215,7 @@ impl Simulation {
             cost,
             signals,
             shown,
+            is_random: task.is_random(),
             robot: Robot::of(task, dt),
             instructions: pulp::Arch::new(),
         })

@@ -41,6 +41,22 @@ fn what_is_not_learned_stays_as_it_was() {
 }
 
 #[test]
+fn no_motion_is_spent_on_what_is_not_learned() {
+    let mut task = with_learning(VIA_POINT, "learn = [\"damping\"]").unwrap();
+    task.learning.method = Method::GaussNewton;
+    let policy = Policy::initial(&task).unwrap();
+    let simulation = Simulation::new(&task, &policy).unwrap();
+    let mut first = None;
+    let observe = |progress: &hpf_learn::Progress| {
+        first = first.or((progress.update == 1).then_some(progress.rollouts));
+        progress.update == 0
+    };
+    learn_with(&simulation, policy.weights(), &task.learning.method(), None, observe).unwrap();
+    // Twice the start and each axis alone, 9 for bends, 20 of 60 columns, three trials and two corrections.
+    assert_eq!(first, Some(4 + 9 + 20 + 3 + 2));
+}
+
+#[test]
 fn a_goal_is_learned_and_the_policy_keeps_it() {
     // A steady push of -2 N at the end: a goal beyond the target makes up for it without any stiffness.
     for method in [Method::Pi2, Method::Auto] {

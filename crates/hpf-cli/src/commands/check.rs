@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hpf_sim::task::Task;
-use hpf_sim::{Certificate, Conditions, Passivity, Policy, Simulation};
+use hpf_sim::{Certificate, Conditions, Policy, Simulation};
 use serde_json::{Value, json};
 
 use crate::cli::{Check, Common};
@@ -99,14 +99,12 @@ fn conditions(options: &Check, policy: &Path) -> Result<Conditions, Failure> {
 
 fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> Value {
     let axes = policy.axes.iter().zip(certificates).map(|(axis, certificate)| {
-        let (passive, fails_at, decay) = match certificate.passivity {
-            Passivity::FirstOrder { fails_at } => (Some(fails_at.is_none()), fails_at, None),
-            // What the test does not prove is not disproved.
-            Passivity::SecondOrder { decay } => (decay.map(|_| true), None, decay),
-        };
+        // A law of first order is always stable; what the test for the second does not prove is not disproved.
+        let stable = if policy.admittance.order == 1 { Some(true) } else { certificate.decay.map(|_| true) };
         json!({
             "name": axis.name, "unit": axis.unit,
-            "passive": passive, "not_passive_from_s": fails_at, "passive_decay_per_s": decay,
+            "passive": certificate.fails_at.is_none(), "not_passive_from_s": certificate.fails_at,
+            "stable": stable, "stable_decay_per_s": certificate.decay,
             "largest_offset": certificate.largest_offset, "switched_energy_j": certificate.switched_energy,
             "least_damping": certificate.least_damping, "contact_stiffness_limit": certificate.contact_stiffness,
             "peak_velocity": certificate.peak_velocity, "peak_acceleration": certificate.peak_acceleration,

@@ -11,6 +11,9 @@ use crate::admittance::step_offset;
 /// above nought: `p e^2/2` is the least energy that must have been put in to be at e. Exact step for held gains:
 /// `q = p - k`, `q <- q/(1 + q h/(2 d))`; a denominator of nought or less is an escape to minus infinity.
 ///
+/// It decides for `m e'' + d e' + k e = f` too, whatever the mass: `int f e' = m v^2/2 + k e^2/2 + int (d v^2 - k' e^2/2)`,
+/// and the mass adds to the least of it only `m v^2/2`, which is nought at rest.
+///
 /// ```
 /// use hpf_core::passivity::first_order_fails_at;
 /// assert_eq!(first_order_fails_at([(100.0, 50.0); 1000], 0.01), None); // constant gains
@@ -31,7 +34,8 @@ pub fn first_order_fails_at(gains: impl IntoIterator<Item = (f64, f64)>, dt: f64
     None
 }
 
-/// A decay a [1/s] that proves `m e'' + d e' + k e = f` passive over a schedule, the largest, if there is one.
+/// A decay a [1/s] that proves the free motion `m e'' + d e' + k e = 0` stable over a schedule, the largest, if there is
+/// one. Passivity is another matter, which [`first_order_fails_at`] decides.
 ///
 /// Sufficient (Kronander and Billard, IEEE T-RO 32(5):1298, 2016, doi 10.1109/TRO.2016.2593492): one a > 0 with
 /// `d >= a m` and `k' + a d' <= 2 a k` all along. `gains` are stiffness [N/m] and damping [N s/m] every `dt` [s].

@@ -35,7 +35,7 @@ fn add_mean(mean: &mut Cost, cost: &Cost, first: bool, count: usize) {
 impl Simulation {
     /// What the motions of `draws` meet, kept in `kept` while the draws stay the same.
     fn met<'w>(&'w self, draws: Draws, kept: &'w mut Option<(Draws, Vec<Circumstances>)>) -> &'w [Circumstances] {
-        if !self.task.is_random() {
+        if !self.is_random {
             return slice::from_ref(&self.shown);
         }
         if kept.as_ref().is_none_or(|(of, _)| *of != draws) {

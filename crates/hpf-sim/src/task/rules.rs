@@ -27,6 +27,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     if named {
         rules.environment();
         rules.learned();
+        rules.draws();
     }
     rules.via_points();
     // What a file lacks is told only where all it has is right: a misspelt table would be told twice.
@@ -280,6 +281,18 @@ impl Rules<'_, '_, '_> {
         };
         for (path, number) in numbers.iter().filter(|(_, number)| refused(number)) {
             self.say(path, format!("`{key}` is out of range: {number}"), format!("`{key}` must be {words}"));
+        }
+    }
+
+    /// Tables that would not fit into memory, once for every draw.
+    fn draws(&mut self) {
+        let task = self.task;
+        let (steps, draws) = ((task.duration * task.rate).round(), task.draws() as f64);
+        // Forces at both ends of a step, and the error of a reading with whether it is lost.
+        let numbers = 4.0 * steps * task.axis.len() as f64 * draws;
+        if draws > 1.0 && numbers > MAX_NUMBERS as f64 && steps <= MAX_STEPS as f64 {
+            let help = format!("at most {MAX_NUMBERS}: fewer draws, or a lower rate");
+            self.say("learning.draws", format!("what all draws meet are {} numbers", plain(numbers)), help);
         }
     }
 
