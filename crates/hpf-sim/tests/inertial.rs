@@ -95,10 +95,7 @@ fn a_free_tool_with_inertia_follows_the_continuous_law_to_second_order() {
     // Measured at 100 Hz: 4.2e-6 m and 1.6e-4 m/s.
     assert!(found[0][0] < 1e-5 && found[0][1] < 3e-4, "{found:?}");
     for pair in found.windows(2) {
-        for column in 0..2 {
-            let ratio = pair[0][column] / pair[1][column];
-            assert!((ratio - 4.0).abs() < 0.2, "{found:?}");
-        }
+        assert!(pair[0].iter().zip(pair[1]).all(|(a, b)| (a / b - 4.0).abs() < 0.2), "{found:?}");
     }
 }
 
@@ -118,10 +115,7 @@ fn a_tool_with_inertia_on_the_beam_follows_the_continuous_law() {
     // is left falls with the square of the step, without any regard to the swing.
     assert!(found[0][0] < 1e-6 && found[0][1] < 5e-4, "{found:?}");
     for pair in found[1..].windows(2) {
-        for column in 0..2 {
-            let ratio = pair[0][column] / pair[1][column];
-            assert!((ratio - 4.0).abs() < 0.5, "{found:?}");
-        }
+        assert!(pair[0].iter().zip(pair[1]).all(|(a, b)| (a / b - 4.0).abs() < 0.5), "{found:?}");
     }
 }
 
