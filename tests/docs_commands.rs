@@ -12,10 +12,13 @@ const ELSEWHERE: [&str; 2] = ["sweep", "reproduce"];
 /// A folder with the shipped tasks, what the commands shown start from, and `hpf` on the way to it.
 fn workplace() -> tempfile::TempDir {
     let folder = folder();
-    fs::create_dir(folder.path().join("tasks")).unwrap();
-    for entry in fs::read_dir(root().join("tasks")).unwrap() {
-        let path = entry.unwrap().path();
-        fs::copy(&path, folder.path().join("tasks").join(path.file_name().unwrap())).unwrap();
+    for shipped in ["tasks", "tasks/demonstrations"] {
+        fs::create_dir(folder.path().join(shipped)).unwrap();
+        for entry in fs::read_dir(root().join(shipped)).unwrap().map(Result::unwrap) {
+            if entry.path().is_file() {
+                fs::copy(entry.path(), folder.path().join(shipped).join(entry.file_name())).unwrap();
+            }
+        }
     }
     folder
 }

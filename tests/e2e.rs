@@ -6,13 +6,18 @@ mod continuous;
 mod directory;
 mod docs_commands;
 mod export;
+#[path = "../crates/hpf-sim/tests/generator/mod.rs"]
+mod generator;
+mod imitate;
 mod info;
 mod init;
 mod layouts;
 mod learn;
 mod options;
 mod plot;
+mod random_tasks;
 mod recover;
+mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;

@@ -5,8 +5,20 @@ use std::process::Command;
 
 use crate::support::{expect, folder, read, task};
 
-const COMMANDS: [&str; 11] =
-    ["learn", "run", "plot", "check", "export", "info", "recover", "init", "schema", "completions", "manual"];
+const COMMANDS: [&str; 12] = [
+    "learn",
+    "run",
+    "imitate",
+    "plot",
+    "check",
+    "export",
+    "info",
+    "recover",
+    "init",
+    "schema",
+    "completions",
+    "manual",
+];
 
 #[test]
 fn an_option_whose_result_a_command_does_not_have_is_refused_and_the_others_hold() {

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compiles and runs the C and C++ examples against the static and the shared library, warnings denied; tries the CMake
-# recipe; proves by linking that no function of the interface reaches a panic. Ends with 0 only if all of it holds.
+# Compiles and runs the C and C++ examples against the static and the shared library, warnings denied, and the skeleton of
+# a ros2_control controller; tries the CMake recipe; proves by linking that no function of the interface reaches a panic.
+# Ends with 0 only if all of it holds.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS CARGO_BUILD_TARGET
@@ -27,6 +28,12 @@ c++ "$work/cpp.o" -L"$built" -Wl,-rpath,"$built" -lhpf_c -lm -o "$work/cpp_share
 "$work/c_shared" >/dev/null
 "$work/cpp_shared" >/dev/null
 echo "passed  C and C++ examples, static and shared"
+
+skeleton=examples/ros2_control
+c++ -std=c++17 "${warnings[@]}" -Iinclude -I$skeleton/stub $skeleton/hpf_controller.cpp $skeleton/check.cpp \
+    "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/ros2_control"
+"$work/ros2_control"
+echo "passed  ros2_control skeleton, against stand-ins for the headers of ROS 2"
 
 # The interface without the standard library, every function named, dead code dropped. The panic handler calls a function
 # that exists nowhere: a program from which it can be reached does not link.

@@ -29,6 +29,7 @@ Examples:
   hpf learn tasks/cantilever.toml --seed 2 --out out # another seed, another place
   hpf info runs/cantilever out                       # both side by side
   hpf run runs/cantilever --rate 1000                # run what was learned, at 1000 Hz
+  hpf imitate tasks/demonstrations/wipe.csv          # a policy from a recorded motion
   hpf export runs/cantilever --format rust           # what was learned, for firmware
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
@@ -78,6 +79,9 @@ Examples:
   hpf run runs/cantilever --rate 1000 --set contact.force=12  # misses its targets: exit code 3
   hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
     Run(Simulate),
+    /// Make a policy of demonstrations (CSV), kept as a run
+    #[command(after_help = crate::commands::imitate::HELP)]
+    Imitate(Box<crate::commands::imitate::Options>),
     /// Draw the plots of a run again, from its tables
     #[command(after_help = "Example:\n  hpf plot runs/cantilever --out figures")]
     Plot(Plot),
@@ -157,6 +161,9 @@ pub struct Learn {
     /// Task file (TOML)
     #[arg(value_name = "TASK")]
     pub task: PathBuf,
+    /// Policy to start from, such as an imitated one; of the task's axes and bases [default: the bare pull to the goal]
+    #[arg(long, value_name = "POLICY|RUN")]
+    pub from: Option<PathBuf>,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,

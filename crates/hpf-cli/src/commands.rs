@@ -3,6 +3,7 @@
 mod check;
 mod completions;
 mod export;
+pub mod imitate;
 mod info;
 pub mod init;
 mod learn;
@@ -11,6 +12,7 @@ mod plot;
 mod recover;
 mod schema;
 mod simulate;
+mod start;
 
 use crate::cli::{Arguments, Command, Common};
 use crate::failure::{Failure, Outcome};
@@ -28,6 +30,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     pool.install(|| match &arguments.command {
         Command::Learn(options) => learn::learn(options, common),
         Command::Run(options) => simulate::simulate(options, common),
+        Command::Imitate(options) => imitate::imitate(options, common),
         Command::Plot(options) => plot::plot(options, common),
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),

@@ -8,6 +8,7 @@ mod canvas;
 mod chart;
 mod contact;
 mod cost;
+mod demonstration;
 mod gain;
 mod layout;
 mod legend;
@@ -82,19 +83,23 @@ pub fn names(run: &Run) -> Vec<&'static str> {
 /// # Errors
 /// [`Failure::Work`] that names the file; a figure is under its own name whole or not at all.
 pub fn draw(run: &Run, folder: &Path) -> Result<Vec<String>, Failure> {
+    draw_all(figures(run), &run.task.name, folder)
+}
+
+fn draw_all(figures: Vec<(&str, Kind<'_>)>, subject: &str, folder: &Path) -> Result<Vec<String>, Failure> {
     fs::create_dir_all(folder).map_err(while_writing(folder))?;
     let draw = |(name, figure): (&str, Kind<'_>)| {
         let path = folder.join(name);
         // The encoder goes by the ending of the name, so the temporary one keeps it.
         let temporary = path.with_extension("partial.png");
-        let drawn = canvas::draw(figure(), &run.task.name, &temporary).map_err(while_writing(&path));
+        let drawn = canvas::draw(figure(), subject, &temporary).map_err(while_writing(&path));
         drawn.and_then(|()| fs::rename(&temporary, &path).map_err(while_writing(&path))).inspect_err(|_| {
             // The error to report is the first one; a leftover is removed as far as possible.
             let _ = fs::remove_file(&temporary);
         })?;
         Ok(name.to_owned())
     };
-    figures(run).into_par_iter().map(draw).collect()
+    figures.into_par_iter().map(draw).collect()
 }
 
 /// Draws the figures of `run` into `plots/` of its run directory.
@@ -103,6 +108,22 @@ pub fn draw(run: &Run, folder: &Path) -> Result<Vec<String>, Failure> {
 /// As [`draw`].
 pub fn draw_into(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
     for name in draw(run, &folder.path("plots"))? {
+        folder.written(&format!("plots/{name}"));
+    }
+    Ok(())
+}
+
+/// Draws the demonstrations that the policy of `run` imitates into `plots/`, each by axis at the samples of the run.
+///
+/// # Errors
+/// As [`draw`].
+pub fn draw_demonstrations(
+    run: &Run,
+    demonstrations: &[Vec<Vec<f64>>],
+    folder: &mut Unfinished,
+) -> Result<(), Failure> {
+    let figure: Kind<'_> = Box::new(|| demonstration::positions(run, demonstrations));
+    for name in draw_all(vec![("demonstration.png", figure)], &run.task.name, &folder.path("plots"))? {
         folder.written(&format!("plots/{name}"));
     }
     Ok(())

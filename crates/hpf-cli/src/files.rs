@@ -106,36 +106,40 @@ pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failur
 
 /// Reads a force table: CSV with the header `time_s,force_n`.
 fn read_table(path: &Path) -> Result<Samples, Failure> {
-    let text = read_text(path)?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-    let place = |line: u64, column: usize, what: &str| {
+    parse_table(&read_text(path)?).map_err(|(line, column, what)| {
         Failure::Input(format!(
             "{}:{line}:{column}: {what}; rows are a time [s] and a force [N], such as 0.5,10",
             path.display()
         ))
-    };
-    let header = reader.headers().map_err(|error| place(1, 1, &error.to_string()))?;
+    })
+}
+
+/// The force table in `text`.
+///
+/// # Errors
+/// Line and column, from 1, and what is wrong there.
+pub fn parse_table(text: &str) -> Result<Samples, (u64, usize, String)> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(|error| (1, 1, error.to_string()))?;
     if !header.iter().eq(["time_s", "force_n"]) {
-        return Err(place(1, 1, "the header must be time_s,force_n"));
+        return Err((1, 1, "the header must be time_s,force_n".into()));
     }
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.map_err(|error| {
-            place(error.position().map_or(1, csv::Position::line), 1, "the row does not have two numbers")
+            (error.position().map_or(1, csv::Position::line), 1, "the row does not have two numbers".into())
         })?;
         let line = record.position().map_or(1, csv::Position::line);
         let number = |field: usize| {
             let column = 1 + record.iter().take(field).map(|text| text.len() + 1).sum::<usize>();
-            record[field]
-                .parse::<f64>()
-                .map_err(|_| place(line, column, &format!("`{}` is not a number", &record[field])))
+            record[field].parse::<f64>().map_err(|_| (line, column, format!("`{}` is not a number", &record[field])))
         };
         rows.push((number(0)?, number(1)?));
         lines.push(line);
     }
     Samples::new(&rows).map_err(|error| {
         let line = error.row().and_then(|row| lines.get(row)).copied().unwrap_or(1);
-        place(line, 1, &error.to_string())
+        (line, 1, error.to_string())
     })
 }
 

@@ -14,6 +14,7 @@ mod log;
 mod overrides;
 mod packed;
 mod progress;
+pub mod readers;
 mod render;
 mod report;
 mod results;

@@ -37,7 +37,7 @@ use mcap::{Attachment, McapError, WriteOptions};
 use prost::Message;
 
 pub use self::bag::bag;
-pub use self::read::{Ending, summarize};
+pub use self::read::{Ending, summarize, summarize_bytes};
 pub use self::recover::{Recovered, recover};
 use self::topic::Topic;
 use crate::files::sha256;

@@ -4,6 +4,9 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 use crate::failure::Failure;
 
+/// Most parts of a key: twice as many as any key has. Without a limit a long one would overflow the stack.
+const MOST_PARTS: usize = 8;
+
 /// `text` with each override applied, in their order. Keys are checked afterwards, with the whole file.
 ///
 /// # Errors
@@ -33,6 +36,9 @@ fn set(root: &mut dyn TableLike, one: &str) -> Result<(), String> {
     let parts: Vec<&str> = path.split('.').collect();
     if parts.contains(&"") {
         return Err("the key has an empty part".into());
+    }
+    if parts.len() > MOST_PARTS {
+        return Err(format!("the key has {} parts, at most {MOST_PARTS} are allowed", parts.len()));
     }
     assign(root, &parts, value)
 }

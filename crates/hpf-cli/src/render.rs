@@ -161,6 +161,8 @@ pub fn task(task: &Task, parameters: usize, initial_cost: f64) -> String {
         "  learning    {parameters} parameters, {} updates of {} rollouts, at most {planned} motions",
         learning.updates, learning.rollouts
     );
+    let threads = rayon::current_num_threads();
+    let _ = writeln!(text, "  memory      at most {} MB on {threads} threads", number(task.memory(threads) / 1e6));
     let _ = writeln!(text, "  cost        {} before learning", number(initial_cost));
     text
 }

@@ -48,6 +48,15 @@ fn bad(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }
 
+/// A number that was cut short is another number: a table ends where a row does.
+fn refuse_cut(text: &str) -> io::Result<()> {
+    if text.is_empty() || text.ends_with('\n') {
+        Ok(())
+    } else {
+        Err(bad("the last row does not end: the file was cut"))
+    }
+}
+
 /// The text of `learning.csv`.
 pub fn learning_csv(rows: &[LearningRow]) -> String {
     let mut text = format!("update,rollouts,total,{},exploration\n", Term::NAMES.join(","));
@@ -60,6 +69,7 @@ pub fn learning_csv(rows: &[LearningRow]) -> String {
 
 /// Reads `learning.csv`.
 pub fn read_learning(text: &str) -> io::Result<Vec<LearningRow>> {
+    refuse_cut(text)?;
     let mut rows = Vec::new();
     for record in csv::Reader::from_reader(text.as_bytes()).deserialize::<Vec<f64>>() {
         let record = record.map_err(io::Error::other)?;
@@ -146,6 +156,7 @@ pub fn trajectory_csv(task: &Task, trace: &Trace) -> String {
 
 /// Reads `trajectory.csv` or a snapshot of `task`.
 pub fn read_trajectory(task: &Task, text: &str) -> io::Result<Trace> {
+    refuse_cut(text)?;
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let mut trace = Trace { axes: vec![AxisTrace::default(); task.axis.len()], ..Trace::default() };
     trace.contact = task.contact.as_ref().map(|contact| ContactTrace {
@@ -163,8 +174,9 @@ pub fn read_trajectory(task: &Task, text: &str) -> io::Result<Trace> {
             signal.push(number);
         }
     }
-    if trace.time.len() < 2 {
-        return Err(bad("a trajectory needs at least two rows"));
+    let (rows, samples) = (trace.time.len(), task.steps() + 1);
+    if rows != samples {
+        return Err(bad(format!("it has {rows} rows, the trajectory of this task {samples}")));
     }
     if let (Some(signals), Some(contact)) = (&mut trace.contact, &task.contact) {
         signals.travel = trace.time.iter().map(|time| contact.travel(time / task.duration)).collect();

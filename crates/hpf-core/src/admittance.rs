@@ -31,7 +31,7 @@ const SERIES_BELOW: f64 = 1e-5;
 /// `(1 - exp(-x))/x` given `settled = 1 - exp(-x)`: the mean of exp(-x) over the step.
 #[inline]
 fn mean_decay<T: Real>(x: T, settled: T) -> T {
-    x.select_below(T::of(SERIES_BELOW), T::ONE - x * (T::of(0.5) - x * T::of(1.0 / 6.0)), settled / x)
+    x.choose_below(T::of(SERIES_BELOW), || T::ONE - x * (T::of(0.5) - x * T::of(1.0 / 6.0)), || settled / x)
 }
 
 /// One step of `d e' + k e = f`, exact for k, d and f held over `dt` [s]. Returns the new offset.

@@ -25,9 +25,9 @@ use crate::{ConfigError, Real, error};
 /// Overlap of neighbours where nothing else is asked for.
 pub const DEFAULT_OVERLAP: f64 = 0.6;
 
-/// A function of the time family that has fallen below this counts as nought: subnormal numbers are slow, and the powers
-/// of u that go with smaller ones may overflow.
-const NOUGHT_BELOW: f64 = 1e-18;
+/// A function of the time family of which this share of the nearest's, at its largest, is lost in rounding counts as
+/// nought: it would cost time, and its powers of u may overflow. The sum is above 2 there.
+const SHARE_THAT_COUNTS: f64 = 0.25;
 
 /// What the functions of a basis are Gaussians of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -216,31 +216,58 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         self.centers.as_ref().iter().zip(self.shape.as_ref()).map(move |(&c, &h)| -h * (s - c) * (s - c))
     }
 
-    /// Each activation of the phase family over the largest, which cancels in every normalised quantity.
+    /// Hands the activations over the largest, which cancels in every normalised quantity, to `take`, group by group with
+    /// the number of its first function; functions that are left out count as nought. Returns the sum.
     #[inline]
-    fn relative(&self, s: T) -> impl Iterator<Item = T> {
-        let largest = self.exponents(s).fold(T::of(f64::NEG_INFINITY), T::max);
-        self.exponents(s).map(move |exponent| (exponent - largest).exp())
-    }
-
-    /// Activations of the time family over the nearest one's: from it on, and before it in falling order.
-    #[inline]
-    fn around(&self, k: usize, distance: T, fall: T, reach: usize) -> [impl Iterator<Item = T>; 2] {
-        let falls = self.shape.as_ref();
-        let near = falls.split_at_checked(reach).unwrap_or_default().0;
-        let up = ((fall + fall) * distance).exp();
-        let outward = move |ratio: T, skipped: usize, count: usize| {
-            let mut power = T::ONE;
-            near.iter()
-                .take(count + skipped)
-                .map(move |&fallen| {
-                    let activation = power * fallen;
-                    power = power * ratio;
-                    activation
-                })
-                .skip(skipped)
+    fn scan(&self, s: T, mut take: impl FnMut(usize, &[[T; GROUP]])) -> T {
+        let (centers, shape) = (self.centers.as_ref(), self.shape.as_ref());
+        let window = match self.family {
+            Family::Phase => {
+                let floor = T::of(f64::NEG_INFINITY);
+                let largest = self.exponents(s).fold(floor, |largest, e| largest.select_below(e, e, largest));
+                Window { first: 0, end: centers.len(), nearest: 0, factor: T::ONE, power: largest }
+            }
+            Family::Time { spacings, fall, last, reach } => {
+                let (k, distance) = nearest(s, spacings, last);
+                let slope = (fall + fall) * distance;
+                let first = (k + 1).saturating_sub(reach);
+                let power = (-slope * T::of((k - first.min(k)) as f64)).exp();
+                Window { first, end: centers.len().min(k + reach), nearest: k, factor: slope.exp(), power }
+            }
         };
-        [outward(up, 0, falls.len().saturating_sub(k)), outward(T::ONE / up, 1, k)]
+        let Window { mut first, end, nearest, factor, mut power } = window;
+        let mut sum = T::ZERO;
+        // Any number will do; nought takes a call on a microcontroller.
+        let mut block = [[s; GROUP]; GROUPS];
+        while first < end {
+            let stop = end.min(first + GROUP * GROUPS);
+            let mut slots = block.as_flattened_mut().iter_mut();
+            let mut put = |activation| {
+                slots.next().into_iter().for_each(|slot| *slot = activation);
+                sum += activation;
+            };
+            match self.family {
+                Family::Phase => {
+                    let centers = centers.get(first..stop).unwrap_or_default();
+                    for (&c, &h) in centers.iter().zip(shape.get(first..stop).unwrap_or_default()) {
+                        put((-h * (s - c) * (s - c) - power).exp());
+                    }
+                }
+                Family::Time { .. } => {
+                    let before = (nearest + 1).saturating_sub(stop).max(1)..(nearest + 1).saturating_sub(first);
+                    let from = first.saturating_sub(nearest)..stop.saturating_sub(nearest);
+                    let before = shape.get(before).unwrap_or_default().iter().rev();
+                    before.chain(shape.get(from).unwrap_or_default()).for_each(|&fallen| {
+                        put(power * fallen);
+                        power = power * factor;
+                    });
+                }
+            }
+            (1..GROUP).for_each(|_| slots.next().into_iter().for_each(|slot| *slot = T::ZERO));
+            take(first, block.get(..(stop - first).div_ceil(GROUP)).unwrap_or_default());
+            first = stop;
+        }
+        sum
     }
 
     /// The mixtures `sum_i w_i phi_i(s)` of `M` weight lists, the basis evaluated once for all of them.
@@ -254,40 +281,33 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     /// [`mix`](Self::mix) of `M` sets of `K` weight lists each, the basis evaluated once for all of them.
     #[inline]
     pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
-        let mut total = Mixture { sum: T::ZERO, mixed: [[T::ZERO; K]; M] };
-        match self.family {
-            Family::Phase => total.add(self.relative(s), weights),
-            Family::Time { spacings, fall, last, reach } => {
-                let (k, distance) = nearest(s, spacings, last);
-                let [from, before] = self.around(k, distance, fall, reach);
-                let halves = weights.map(|set| set.map(|list| list.split_at_checked(k).unwrap_or_default()));
-                total.add(from, halves.map(|set| set.map(|(_, from)| from)));
-                total.add_backwards(before, halves.map(|set| set.map(|(before, _)| before)));
+        let mut mixed = [[T::ZERO; K]; M];
+        let sum = self.scan(s, |first, groups| {
+            let lists = weights.map(|set| set.map(|list| list.get(first..).unwrap_or_default().as_chunks::<GROUP>()));
+            for (i, activations) in groups.iter().enumerate() {
+                for (mixed, (list, rest)) in mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened()) {
+                    *mixed += match list.get(i) {
+                        Some(&[u, v, w, x]) => {
+                            let [a, b, c, d] = *activations;
+                            (a * u + b * v) + (c * w + d * x)
+                        }
+                        None => rest.iter().zip(activations).fold(T::ZERO, |sum, (&w, &a)| sum + a * w),
+                    };
+                }
             }
-        }
-        total.mixed.map(|set| set.map(|mixed| mixed / total.sum))
+        });
+        let per_sum = T::ONE / sum;
+        mixed.map(|set| set.map(|mixed| mixed * per_sum))
     }
 
     /// Writes `phi_i(s)` into `out`, one entry per function.
     pub fn features_into(&self, s: T, out: &mut [T]) {
-        let write = |slots: &mut dyn Iterator<Item = &mut T>, activations: &mut dyn Iterator<Item = T>| {
-            slots.zip(activations).for_each(|(slot, activation)| *slot = activation);
-        };
-        match self.family {
-            Family::Phase => write(&mut out.iter_mut(), &mut self.relative(s)),
-            Family::Time { spacings, fall, last, reach } => {
-                let (k, distance) = nearest(s, spacings, last);
-                let [mut from, mut before] = self.around(k, distance, fall, reach);
-                out.fill(T::ZERO);
-                if let Some((first, rest)) = out.split_at_mut_checked(k) {
-                    write(&mut rest.iter_mut(), &mut from);
-                    write(&mut first.iter_mut().rev(), &mut before);
-                }
-            }
-        }
-        let mut sum = T::ZERO;
-        out.iter().for_each(|&activation| sum += activation);
-        out.iter_mut().for_each(|slot| *slot = *slot / sum);
+        out.fill(T::ZERO);
+        let sum = self.scan(s, |first, groups| {
+            out.iter_mut().skip(first).zip(groups.as_flattened()).for_each(|(slot, &activation)| *slot = activation);
+        });
+        let per_sum = T::ONE / sum;
+        out.iter_mut().for_each(|slot| *slot = *slot * per_sum);
     }
 
     /// Writes `psi_i(s)` into `out`, one entry per function: the activations without normalisation.
@@ -309,83 +329,24 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     }
 }
 
-/// Activations that are gathered before lists are weighed by them: a list at a time then runs through registers.
-const BLOCK: usize = 8;
+/// Activations that are weighed at once, their products summed in pairs: no sum waits long for the one before.
+const GROUP: usize = 4;
 
-/// Sums of activations and of weights times activations.
-struct Mixture<T, const K: usize, const M: usize> {
-    sum: T,
-    mixed: [[T; K]; M],
-}
+/// Groups that are gathered before lists are weighed by them.
+const GROUPS: usize = 5;
 
-impl<T: Real, const K: usize, const M: usize> Mixture<T, K, M> {
-    /// Fills `slots` with the next activations and sums them; returns how many there were.
-    #[inline]
-    fn gather<'a>(
-        &mut self,
-        slots: impl Iterator<Item = &'a mut T>,
-        activations: &mut impl Iterator<Item = T>,
-    ) -> usize {
-        let mut count = 0;
-        for (slot, activation) in slots.zip(activations) {
-            *slot = activation;
-            self.sum += activation;
-            count += 1;
-        }
-        count
-    }
-
-    /// Adds `activations`, each times the next weight of every list.
-    #[inline]
-    fn add(&mut self, mut activations: impl Iterator<Item = T>, mut lists: [[&[T]; K]; M]) {
-        loop {
-            let mut block = [T::ZERO; BLOCK];
-            let count = self.gather(block.iter_mut(), &mut activations);
-            for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
-                match list.split_first_chunk::<BLOCK>() {
-                    Some((weights, rest)) => {
-                        *mixed = weigh(*mixed, &block, weights);
-                        *list = rest;
-                    }
-                    None => *mixed = weigh(*mixed, &block, *list),
-                }
-            }
-            if count < BLOCK {
-                return;
-            }
-        }
-    }
-
-    /// Adds `activations`, each times the weight before the last one taken from every list, from its end on.
-    #[inline]
-    fn add_backwards(&mut self, mut activations: impl Iterator<Item = T>, mut lists: [[&[T]; K]; M]) {
-        loop {
-            let mut block = [T::ZERO; BLOCK];
-            let count = self.gather(block.iter_mut().rev(), &mut activations);
-            let filled = block.split_at_checked(BLOCK - count).unwrap_or_default().1;
-            for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened_mut()) {
-                match list.split_last_chunk::<BLOCK>() {
-                    Some((rest, weights)) => {
-                        *mixed = weigh(*mixed, &block, weights);
-                        *list = rest;
-                    }
-                    None => {
-                        let tail = list.split_at_checked(list.len().saturating_sub(count)).unwrap_or_default().1;
-                        *mixed = weigh(*mixed, filled, tail);
-                    }
-                }
-            }
-            if count < BLOCK {
-                return;
-            }
-        }
-    }
-}
-
-/// `mixed` and each activation times its weight.
-#[inline]
-fn weigh<'a, T: Real>(mixed: T, block: impl IntoIterator<Item = &'a T>, weights: impl IntoIterator<Item = &'a T>) -> T {
-    block.into_iter().zip(weights).fold(mixed, |mixed, (&activation, &weight)| mixed + activation * weight)
+/// The functions that count at one phase.
+struct Window<T> {
+    /// The first of them.
+    first: usize,
+    /// The one after the last.
+    end: usize,
+    /// The nearest, of the time family.
+    nearest: usize,
+    /// By what `power` grows from one to the next.
+    factor: T,
+    /// u^j of the first; of the phase family, the largest exponent.
+    power: T,
 }
 
 /// An error unless there are at least two functions.
@@ -405,10 +366,14 @@ fn fall_to<T: Real>(overlap: T) -> Result<T, ConfigError> {
     Ok(T::of(-libm::log(value)))
 }
 
-/// What a function of the time family has fallen to, `j` spacings from its center.
+/// What a function of the time family has fallen to, `j` spacings from its center; nought where it does not count.
 fn fallen<T: Real>(fall: T, j: usize) -> T {
-    let fallen = libm::exp(-fall.to_f64() * (j as f64) * (j as f64));
-    if fallen < NOUGHT_BELOW { T::ZERO } else { T::of(fallen) }
+    let j = j as f64;
+    let fallen = libm::exp(-fall.to_f64() * (j * j));
+    // Half way to the next center, where the nearest two are equal.
+    let most = libm::exp(-fall.to_f64() * (j * (j - 1.0).max(0.0)));
+    let counts = (T::ONE + T::of(SHARE_THAT_COUNTS * most)).to_f64() > 1.0;
+    if counts { T::of(fallen) } else { T::ZERO }
 }
 
 /// Center `i` of those equally spaced in time over a phase that falls by `decay`, the last one's number being `last`.
@@ -430,7 +395,7 @@ fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<(), ConfigError> {
 /// The nearest center k of the time family and the distance to it in spacings.
 #[inline]
 fn nearest<T: Real>(s: T, spacings: T, last: T) -> (usize, T) {
-    let t = (-s.ln() * spacings).max(T::ZERO).min(last);
-    let k = (t + T::of(0.5)).floor();
-    (k.to_index(), t - k)
+    let t = (-s.ln() * spacings).at_least(T::ZERO).at_most(last);
+    let k = (t + T::of(0.5)).to_index();
+    (k, t - T::of(k as f64))
 }

@@ -29,7 +29,7 @@ use crate::{ConfigError, Real, error};
 /// ```
 #[inline]
 pub fn dead_zone<T: Real>(force: T, width: T) -> T {
-    force - force.max(-width).min(width)
+    force - force.at_least(-width).at_most(width)
 }
 
 /// How a force is conditioned, `D` axes in one frame.
@@ -105,7 +105,12 @@ impl<T: Real, const D: usize> ForceConditioning<T, D> {
     /// The force that the admittance sees after `dt` [s] of `measured_force` [N], which must be finite.
     #[inline]
     pub fn step(&self, state: &mut ForceState<T, D>, measured_force: [T; D], dt: T) -> [T; D] {
-        let mut force = self.compensated(state, measured_force);
+        self.settle(state, self.compensated(state, measured_force), dt)
+    }
+
+    /// [`step`](Self::step) of a compensated force.
+    #[inline]
+    pub(crate) fn settle(&self, state: &mut ForceState<T, D>, mut force: [T; D], dt: T) -> [T; D] {
         let settled = self.cutoff.map_or(T::ONE, |cutoff| -(-T::of(TAU) * cutoff * dt).exp_m1());
         for ((force, filtered), &width) in force.iter_mut().zip(&mut state.filtered).zip(&self.dead_zone) {
             *filtered += settled * (*force - *filtered);

@@ -215,13 +215,17 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if dt.is_finite() && dt > T::ZERO {
             let longest = self.settings.timing.longest_step;
             status.long_time = dt > longest;
-            self.advance(input, dt.min(longest), &mut status);
+            self.advance(input, dt.at_most(longest), &mut status);
         } else {
             status.bad_time = true;
         }
-        self.counters.count(&status);
+        if status != Status::default() {
+            self.counters.count(&status);
+        }
         self.last.status = status;
-        self.last
+        // In parts: as a whole it is copied by a call on a microcontroller.
+        let Output { axes, phase, rate, energy, mode, status } = self.last;
+        Output { axes, phase, rate, energy, mode, status }
     }
 
     /// Does what is asked for; returns whether it did.
@@ -319,11 +323,11 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let force = self.feel(input, dt, status);
         self.watch(input, status);
 
-        let asked = if input.rate.is_finite() { input.rate.max(T::ZERO).min(T::ONE) } else { T::ZERO };
+        let asked = if input.rate.is_finite() { input.rate.at_least(T::ZERO).at_most(T::ONE) } else { T::ZERO };
         status.bad_input |= !input.rate.is_finite();
         let asked = if self.last.mode == Mode::Run && !status.force_lost { asked } else { T::ZERO };
         let change = dt / self.settings.timing.ramp;
-        let rate = asked.max(self.last.rate - change).min(self.last.rate + change);
+        let rate = asked.at_least(self.last.rate - change).at_most(self.last.rate + change);
         if status.force_lost && rate <= T::ZERO {
             self.on(Event::ForceLost);
         }
@@ -339,19 +343,17 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let good = input.force_age <= timing.oldest_force && input.measured_force.iter().all(|force| force.is_finite());
         if good {
             let largest = T::of(LARGEST);
-            self.good_force = input.measured_force.map(|force| force.max(-largest).min(largest));
+            self.good_force = input.measured_force.map(|force| cut(force, T::ZERO, largest).0);
             self.lost_for = T::ZERO;
         } else {
-            self.lost_for = (self.lost_for + dt).min(T::of(LARGEST));
+            self.lost_for = (self.lost_for + dt).at_most(T::of(LARGEST));
         }
         status.bad_force = !good;
         status.force_lost = self.lost_for > timing.hold;
-        if good {
-            let compensated = self.settings.conditioning.compensated(&self.force, self.good_force);
-            status.force_tripped =
-                compensated.iter().zip(&self.settings.axes).any(|(force, axis)| force.abs() > axis.trip_force);
-        }
-        self.settings.conditioning.step(&mut self.force, self.good_force, dt)
+        let compensated = self.settings.conditioning.compensated(&self.force, self.good_force);
+        let mut forces = compensated.iter().zip(&self.settings.axes);
+        status.force_tripped = good && forces.any(|(force, axis)| force.abs() > axis.trip_force);
+        self.settings.conditioning.settle(&mut self.force, compensated, dt)
     }
 
     /// Stops where a force or the robot's distance from the command is too large.
@@ -386,7 +388,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let parts = next.iter_mut().zip(&self.axes).zip(&mut self.last.axes).zip(self.skill.axes());
         let parts = parts.zip(&self.settings.axes).zip(&self.laws).zip(force).zip(self.skill.at(middle));
         for (((((((next, state), command), primitives), settings), law), force), profile) in parts {
-            let (sensed, strong) = cut(force, -settings.limits.force, settings.limits.force);
+            let (sensed, strong) = cut(force, T::ZERO, settings.limits.force);
             let force = if settings.compliance == Compliance::Rigid { T::ZERO } else { sensed };
             let stiffness = tank.map_or(profile.stiffness, |tank| {
                 let (energy, offset) = (&mut self.last.energy, state.offset.offset);
@@ -410,14 +412,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             let distance = state.reference.distance(next);
             let farthest = settings.limits.velocity * dt;
             if distance.abs() > farthest {
-                share = share.min(farthest / distance.abs());
+                share = share.at_most(farthest / distance.abs());
             }
             cost = cost - force * distance;
         }
         if let Some(available) = tank.map(|tank| tank.available(self.last.energy))
             && cost > available
         {
-            share = share.min(available / cost);
+            share = share.at_most(available / cost);
             status.energy_short = true;
         }
         self.last.phase += share * (middle * fall - self.last.phase);
@@ -436,10 +438,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 }
                 Compliance::Rigid | Compliance::Compliant => force,
             };
-            let mass = law.map_or(T::ZERO, |law| law.mass());
-            let stored = |at: OffsetMotion<T>| spring_energy(stiffness, at.offset) + kinetic_energy(mass, at.velocity);
+            let kinetic = |velocity| law.map_or(T::ZERO, |law| kinetic_energy(law.mass(), velocity));
+            let stored = |at: OffsetMotion<T>| spring_energy(stiffness, at.offset) + kinetic(at.velocity);
             let travel = share * state.reference.distance(next);
-            state.reference.go(next, share);
+            if share < T::ONE {
+                state.reference.go(next, share);
+            } else {
+                state.reference = *next;
+            }
 
             let before = state.offset;
             match law {
@@ -458,7 +464,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             if held || hits.any_motion() {
                 let give = if hits.any_motion() { velocity * dt - travel } else { giving * dt };
                 let offset = before.offset + give;
-                let (kept, dragged) = cut(offset, -limits.offset, limits.offset);
+                let (kept, dragged) = cut(offset, T::ZERO, limits.offset);
                 state.offset = OffsetMotion { offset: kept, velocity: give / dt };
                 state.reference.shift(offset - kept);
                 hits.offset = held || dragged;
@@ -466,7 +472,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             balance += force * (velocity * dt) - (stored(state.offset) - stored(before));
 
             let [min, max] = limits.position;
-            command.position = (state.reference.position() + state.offset.offset).max(min).min(max);
+            command.position = (state.reference.position() + state.offset.offset).at_least(min).at_most(max);
             command.velocity = velocity;
             command.offset = state.offset.offset;
             command.hits = Hits { force: command.hits.force, ..hits };

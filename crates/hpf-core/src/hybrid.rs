@@ -83,6 +83,8 @@ pub struct Profile<T> {
 pub struct AxisState<T> {
     /// Reference motion.
     pub reference: MovementState<T>,
+    /// What its position has lost in rounding [axis unit]: without it, single precision stalls short of a far goal.
+    pub remainder: T,
     /// Offset e: commanded minus reference position [axis unit].
     pub offset: T,
 }
@@ -182,7 +184,11 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         let axes = self.axes.each_ref();
         HybridState {
             phase: T::ONE,
-            axes: axes.map(|axis| AxisState { reference: axis.movement.initial_state(), offset: T::ZERO }),
+            axes: axes.map(|axis| AxisState {
+                reference: axis.movement.initial_state(),
+                remainder: T::ZERO,
+                offset: T::ZERO,
+            }),
         }
     }
 
@@ -205,7 +211,13 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         let slots = commands.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(measured_force).zip(profiles);
         for ((((command, state), axis), force), Profile { forcing, stiffness, damping }) in slots {
             let transition = Transition::new(axis.movement.alpha(), (rate * dt / duration).min(largest));
-            transition.apply(&mut state.reference, axis.movement.goal(), forcing);
+            let goal = axis.movement.goal();
+            let mut distance = state.reference;
+            distance.position = (distance.position - goal) + state.remainder;
+            transition.apply(&mut distance, T::ZERO, forcing);
+            let position = goal + distance.position;
+            state.remainder = distance.position - (position - goal);
+            state.reference = MovementState { position, ..distance };
             let mut give = T::ZERO;
             if force.is_finite() {
                 let force = force.max(-largest).min(largest);

@@ -64,18 +64,23 @@ impl Hits {
 pub(crate) fn brake<T: Real + PartialOrd>(wanted: T, room: [T; 2], acceleration: T, dt: T) -> (T, bool) {
     let [below, above] = room;
     let (speed, distance) = (wanted.abs(), if wanted < T::ZERO { below } else { above });
-    let (reach, change) = (acceleration * distance.max(T::ZERO), acceleration * dt);
+    let (reach, change) = (acceleration * distance, acceleration * dt);
     if speed * (T::of(0.5) * speed + change) <= reach {
         return (wanted, false);
     }
+    let reach = reach.at_least(T::ZERO);
     let most = (reach + reach) / (change + (change * change + reach + reach).sqrt());
     (if wanted < T::ZERO { -most.min(speed) } else { most.min(speed) }, most < speed)
 }
 
-/// `value` brought into `[min, max]`, and whether it had to be.
+/// `value` brought into `[middle - most, middle + most]`, and whether it had to be.
 #[inline]
-pub(crate) fn cut<T: Real + PartialOrd>(value: T, min: T, max: T) -> (T, bool) {
-    (value.max(min).min(max), value < min || value > max)
+pub(crate) fn cut<T: Real + PartialOrd>(value: T, middle: T, most: T) -> (T, bool) {
+    let off = value - middle;
+    if off.abs() <= most {
+        return (value, false);
+    }
+    (if off < T::ZERO { middle - most } else { middle + most }, true)
 }
 
 impl<T: Real + PartialOrd> Limits<T> {
@@ -131,9 +136,9 @@ impl<T: Real + PartialOrd> Limits<T> {
     pub fn velocity(&self, position: T, velocity: T, wanted: T, dt: T) -> (T, Hits) {
         let [min, max] = self.position;
         let change = self.acceleration * dt;
-        let (found, too_fast) = cut(wanted, -self.velocity, self.velocity);
+        let (found, too_fast) = cut(wanted, T::ZERO, self.velocity);
         let (found, walled) = brake(found, [position - min, max - position], self.acceleration, dt);
-        let (found, jerked) = cut(found, velocity - change, velocity + change);
+        let (found, jerked) = cut(found, velocity, change);
         (found, Hits { velocity: too_fast, position: walled, acceleration: jerked, ..Hits::default() })
     }
 }

@@ -134,16 +134,17 @@ impl<T: Real> Transition<T> {
         let dth = normalised_dt;
         let p = alpha * T::of(0.5);
         let u = p * dth;
-        let decay = (-u).exp();
-        // -expm1(-u) - u E keeps the digits that 1 - (1+u) E cancels.
-        let closed = (-(-u).exp_m1() - u * decay) / (p * p);
-        let series = dth * dth * SERIES.iter().rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
+        let settled = -(-u).exp_m1();
+        let decay = T::ONE - settled;
+        // 1 - E from expm1 keeps the digits that 1 - (1+u) E cancels.
+        let closed = || (settled - u * decay) / (p * p);
+        let series = || dth * dth * SERIES.iter().rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
         Self {
             position_from_position: decay * (T::ONE + u),
             position_from_velocity: decay * dth,
             velocity_from_position: -decay * p * p * dth,
             velocity_from_velocity: decay * (T::ONE - u),
-            position_from_forcing: u.select_below(T::of(SERIES_BELOW), series, closed),
+            position_from_forcing: u.choose_below(T::of(SERIES_BELOW), series, closed),
             velocity_from_forcing: dth * decay,
         }
     }

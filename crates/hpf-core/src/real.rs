@@ -1,8 +1,10 @@
 //! The scalar that every kernel is written in.
 //!
-//! Exponentials go through `libm` on every build: the standard library calls the platform's own, which differs in
-//! the last bits, and host and firmware must agree. Kernels branch through [`Real::select_below`] only, so that a
-//! pack of lanes can implement the trait too.
+//! Exponentials and the like go through `libm` on every build, those of `f32` through a series of their own: the standard
+//! library calls the platform's, which differs in the last bits, and host and firmware must agree. Kernels branch through
+//! [`Real::select_below`] and its kin only, so that a pack of lanes can implement the trait too.
+
+mod single;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -53,14 +55,30 @@ pub trait Real:
     fn max(self, other: Self) -> Self;
     /// The magnitude.
     fn abs(self) -> Self;
+    /// The smaller of this and a `bound` that is a number; NaN becomes the bound. One comparison, where [`min`](Self::min)
+    /// needs two.
+    #[inline]
+    fn at_most(self, bound: Self) -> Self {
+        self.select_below(bound, self, bound)
+    }
+    /// The larger of this and a `bound` that is a number; NaN becomes the bound.
+    #[inline]
+    fn at_least(self, bound: Self) -> Self {
+        bound.select_below(self, self, bound)
+    }
     /// `below` where `self < bound`, else `otherwise` (also for NaN).
     fn select_below(self, bound: Self, below: Self, otherwise: Self) -> Self;
+    /// [`select_below`](Self::select_below) of which a single number computes the chosen value only.
+    #[inline]
+    fn choose_below(self, bound: Self, below: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        self.select_below(bound, below(), otherwise())
+    }
     /// Whether the value is neither infinite nor NaN.
     fn is_finite(self) -> bool;
 }
 
 macro_rules! impl_real {
-    ($float:ident, $exp:ident, $exp_m1:ident, $ln:ident, $sqrt:ident, $floor:ident) => {
+    ($float:ident, $exp:path, $exp_m1:path, $ln:ident, $sqrt:ident, $floor:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -75,11 +93,11 @@ macro_rules! impl_real {
             }
             #[inline]
             fn exp(self) -> Self {
-                libm::$exp(self)
+                $exp(self)
             }
             #[inline]
             fn exp_m1(self) -> Self {
-                libm::$exp_m1(self)
+                $exp_m1(self)
             }
             #[inline]
             fn ln(self) -> Self {
@@ -115,6 +133,10 @@ macro_rules! impl_real {
                 if self < bound { below } else { otherwise }
             }
             #[inline]
+            fn choose_below(self, bound: Self, below: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+                if self < bound { below() } else { otherwise() }
+            }
+            #[inline]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
             }
@@ -122,5 +144,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, expf, expm1f, logf, sqrtf, floorf);
-impl_real!(f64, exp, expm1, log, sqrt, floor);
+impl_real!(f32, single::exp, single::exp_m1, logf, sqrtf, floorf);
+impl_real!(f64, libm::exp, libm::expm1, log, sqrt, floor);

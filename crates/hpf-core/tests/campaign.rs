@@ -10,7 +10,7 @@ use hpf_core::controller::{
 };
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
-use support::{N, skill};
+use support::{Family, N, skill};
 
 const UPDATES: u64 = 1_000_000;
 const AXES: usize = 2;
@@ -117,7 +117,8 @@ macro_rules! campaign {
             fn arm(dice: &mut Dice) -> Arm {
                 loop {
                     let position = [nasty(dice, -0.1, 0.3), nasty(dice, -0.1, 0.3)];
-                    let skill = skill(dice.within(0.3, 5.0));
+                    let family = Family::ALL[usize::from(dice.one_in(2))];
+                    let skill = skill(family, dice.within(0.3, 5.0));
                     if let Ok(arm) = Controller::new(skill, settings(dice), position) {
                         return arm;
                     }

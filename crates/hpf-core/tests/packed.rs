@@ -60,7 +60,7 @@ fn a_basis_of_the_time_family_is_packed_with_its_overlap_and_checked() {
     let basis = Basis::equally_spaced_in_time(4.605, 0.6, [0.0; 4], [0.0; 4]).unwrap();
     let head = Head { functions: [4; 3], in_time: [true, false, true], ..example(Scalar::Double).0 };
     let numbers = |overlap: f64| {
-        let time = [&basis.centers()[..], &[overlap], &basis.widths()[1..]].concat();
+        let time = [basis.centers(), &[overlap], &basis.widths()[1..]].concat();
         let phase = [1.0, 0.7, 0.4, 0.1, 3.1, 3.2, 3.3, 3.4];
         let mut numbers = [&[1.7, 4.605][..], &time, &phase, &time].concat();
         for axis in [1.0, -0.7] {

@@ -244,6 +244,28 @@ macro_rules! total {
                 }
 
                 #[test]
+                fn a_skill_reaches_its_goal_to_the_last_bits_at_every_rate(
+                    goal in -10.0..10.0 as $float,
+                    alpha in 10.0..50.0 as $float,
+                    rate in prop_oneof![Just(100.0 as $float), Just(1000.0), Just(8000.0)],
+                ) {
+                    let basis = Basis::equally_spaced(100.0_f64.ln() as $float, 0.6, [0.0; 4], [0.0; 4]).unwrap();
+                    let axis = AxisPrimitives {
+                        movement: Movement::new(0.0, goal, alpha, goal, [30.0, -20.0, 40.0, 10.0]).unwrap(),
+                        stiffness: Gain::new(30.0, 400.0, [100.0; 4]).unwrap(),
+                        damping: Gain::new(10.0, 100.0, [50.0; 4]).unwrap(),
+                    };
+                    let phase = Phase::new(0.1, 100.0_f64.ln() as $float).unwrap();
+                    let skill = HybridPrimitive::new(phase, [basis; 3], [axis]).unwrap();
+                    let mut state = skill.initial_state();
+                    for _ in 0..(2.0 * rate) as usize {
+                        skill.step(&mut state, [0.0], 1.0, 1.0 / rate);
+                    }
+                    let gap = (state.axes[0].reference.position - goal).abs();
+                    prop_assert!(gap <= $float::EPSILON * goal.abs(), "{state:?}");
+                }
+
+                #[test]
                 fn an_endless_step_settles(skill in skill(), force in -50.0..50.0 as $float) {
                     for dt in [1e9, $float::MAX] {
                         let mut state = skill.initial_state();

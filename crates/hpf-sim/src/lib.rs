@@ -8,20 +8,24 @@
 
 mod certificate;
 pub mod cost;
+pub mod demonstration;
 pub mod environment;
 mod metrics;
 mod policy;
 mod problem;
 mod simulation;
+mod start;
 pub mod task;
 mod trace;
 
 pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS, MeasuredContact};
+pub use demonstration::{Demonstration, Imitated, Imitation, ImitationError};
 pub use metrics::Metric;
 pub use policy::{
     AdmittancePolicy, AxisPolicy, Family, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyBasis,
     PolicyError, Provenance,
 };
 pub use simulation::{Simulation, SimulationError, Workspace};
+pub use start::StartError;
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

@@ -5,7 +5,7 @@ use crate::simulation::Simulation;
 use crate::task::Unit;
 use crate::trace::{AxisTrace, Trace};
 
-/// How long a motion may take to settle before its contact force is judged [s].
+/// How long a motion may take to settle before its contact force is judged [s]; a shorter motion is judged at its end.
 pub const SETTLING_TIME: f64 = 0.1;
 
 /// The measure that is a mean over draws.
@@ -61,7 +61,8 @@ impl Simulation {
             let (length, force) = ("m", "N");
             let deviation = largest(contact.deviation.iter().map(|deviation| deviation.abs()));
             metrics.push(metric("max_deviation", length, deviation, accept.max_deviation));
-            let settled = trace.time.iter().zip(&contact.force).filter(|(time, _)| **time >= SETTLING_TIME);
+            let settling = SETTLING_TIME.min(trace.time[steps]);
+            let settled = trace.time.iter().zip(&contact.force).filter(|(time, _)| **time >= settling);
             let error = largest(settled.map(|(_, force)| (force - contact.set_point).abs()));
             metrics.push(metric("max_force_error", force, error, accept.max_force_error));
             let lost = contact.force.iter().skip(1).filter(|force| **force <= 0.0).count() as f64 * trace.dt();

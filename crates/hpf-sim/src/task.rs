@@ -8,6 +8,7 @@ mod basis;
 mod keys;
 mod learning;
 mod rules;
+mod sizes;
 
 use core::ops::Range;
 
@@ -17,10 +18,12 @@ use serde::{Deserialize, Serialize};
 use crate::environment::{Actuator, Contact, Disturbance, Sensor};
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
+pub(crate) use keys::nearest;
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
     TemperatureKind,
 };
+pub use sizes::MAX_MEMORY;
 
 /// Most axes a task may have.
 pub const MAX_AXES: usize = 7;
@@ -28,7 +31,7 @@ pub const MAX_AXES: usize = 7;
 pub const MAX_BASIS: usize = 1000;
 /// Most steps of one rollout.
 pub const MAX_STEPS: usize = 1_000_000;
-/// Most numbers of one table that learning works on: at 8 bytes each, in a few tables, some gigabytes.
+/// Most numbers of one table that learning works on, at 8 bytes each; all together need at most [`MAX_MEMORY`].
 pub const MAX_NUMBERS: usize = 50_000_000;
 /// Largest task file read [bytes].
 pub const MAX_TASK_BYTES: usize = 1 << 20;
@@ -65,6 +68,7 @@ pub struct Task {
     pub admittance: Admittance,
     /// Forces on the tool.
     #[serde(default)]
+    #[schemars(length(max = 100))]
     pub disturbance: Vec<Disturbance>,
     /// What the tool touches.
     pub contact: Option<Contact>,
@@ -74,6 +78,7 @@ pub struct Task {
     pub actuator: Option<Actuator>,
     /// Positions to pass through.
     #[serde(default)]
+    #[schemars(length(max = 100))]
     pub via_point: Vec<ViaPoint>,
     /// Weights of the cost terms.
     #[serde(default)]
@@ -269,6 +274,7 @@ pub struct CostWeights {
 #[schemars(deny_unknown_fields)]
 pub struct Output {
     /// Updates whose trajectory is kept and drawn.
+    #[schemars(length(max = 100))]
     pub snapshots: Vec<usize>,
 }
 

@@ -9,6 +9,7 @@ use hpf_learn::{History, LearnError, Progress, Stop};
 use hpf_sim::task::Task;
 use hpf_sim::{Policy, Simulation};
 
+use super::start;
 use crate::cli::{Common, Learn};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
@@ -30,6 +31,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     let mut loaded = read_task(&options.task, &changes)?;
     let tables = results::own_tables(&mut loaded.task);
     loaded.text = overrides::apply(&loaded.text, &tables.iter().map(|table| table.change.clone()).collect::<Vec<_>>())?;
+    let start = start::policy(&loaded.task, options.from.as_deref())?;
 
     let target = common.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&loaded.task.name));
     let mut folder = Unfinished::begin(&target, common.force)?;
@@ -38,7 +40,10 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         for table in &tables {
             folder.write(&table.name, &table.csv)?;
         }
-        let learned = Learned::from(&loaded, &folder, common.quiet)?;
+        if options.from.is_some() {
+            folder.write(start::START, start.to_json())?;
+        }
+        let learned = Learned::from(&loaded, start, &folder, common.quiet)?;
         let summary = save(&loaded, &learned, &mut folder, started)?;
         Ok((learned, summary))
     })();
@@ -76,11 +81,10 @@ struct Learned {
 }
 
 impl Learned {
-    /// Learns the task, logging each update to the folder as it comes.
-    fn from(loaded: &LoadedTask, folder: &Unfinished, quiet: bool) -> Result<Self, Failure> {
+    /// Learns the task from the policy `start`, logging each update to the folder as it comes.
+    fn from(loaded: &LoadedTask, start: Policy, folder: &Unfinished, quiet: bool) -> Result<Self, Failure> {
         let task = &loaded.task;
         let bad_task = |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", task.name));
-        let start = Policy::initial(task).map_err(|error| bad_task(&error))?;
         let simulation = Simulation::new(task, &start).map_err(|error| bad_task(&error))?;
         let weights = simulation.starting_weights(&start).map_err(|error| bad_task(&error))?;
 

@@ -79,7 +79,10 @@ pub fn summarize(path: &Path) -> io::Result<Summary> {
 }
 
 /// The same of `length` bytes.
-pub(super) fn summarize_bytes(mut bytes: impl Read, length: u64) -> io::Result<Summary> {
+///
+/// # Errors
+/// As for [`summarize`].
+pub fn summarize_bytes(mut bytes: impl Read, length: u64) -> io::Result<Summary> {
     let limit = usize::try_from(length.clamp(LIMIT, MOST)).unwrap_or(usize::MAX);
     let options = LinearReaderOptions::default()
         .with_emit_chunks(true)

@@ -61,16 +61,16 @@ impl<T: Real> EnergyTank<T> {
     /// What may be spent of `energy` [J].
     #[inline]
     pub fn available(&self, energy: T) -> T {
-        (energy - self.reserve).max(T::ZERO)
+        (energy - self.reserve).at_least(T::ZERO)
     }
 
     /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].
     #[inline]
     pub fn stiffness(&self, energy: &mut T, stiffness: T, wanted: T, offset: T, dt: T) -> T {
         let square = offset * offset;
-        let paid = self.available(*energy).min(self.power * dt);
-        // At no offset any stiffness is free; 0/0 is NaN, and a NaN loses.
-        let allowed = wanted.min(stiffness + (paid + paid) / square);
+        let paid = self.available(*energy).at_most(self.power * dt);
+        // At no offset any stiffness is free; 0/0 is NaN, which becomes the bound.
+        let allowed = (stiffness + (paid + paid) / square).at_most(wanted);
         self.book(energy, T::of(0.5) * (stiffness - allowed) * square);
         allowed
     }
@@ -78,7 +78,7 @@ impl<T: Real> EnergyTank<T> {
     /// Books `balance` [J]: what comes in, less the share that is lost; what goes out, in full.
     #[inline]
     pub fn book(&self, energy: &mut T, balance: T) {
-        let kept = balance.max(T::ZERO) * self.refill + balance.min(T::ZERO);
-        *energy = (*energy + kept).min(self.capacity);
+        let kept = balance.select_below(T::ZERO, balance, balance * self.refill);
+        *energy = (*energy + kept).at_most(self.capacity);
     }
 }

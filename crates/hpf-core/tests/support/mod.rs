@@ -8,9 +8,24 @@ use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Re
 pub const N: usize = 8;
 pub const DT: f64 = 1e-3;
 
-pub fn skill<T: Real, const D: usize>(duration: f64) -> HybridPrimitive<T, [T; N], D> {
+/// The two families of basis functions.
+#[derive(Clone, Copy, Debug)]
+pub enum Family {
+    Phase,
+    Time,
+}
+
+impl Family {
+    pub const ALL: [Self; 2] = [Self::Phase, Self::Time];
+}
+
+pub fn skill<T: Real, const D: usize>(family: Family, duration: f64) -> HybridPrimitive<T, [T; N], D> {
     let decay = T::of(4.605_17);
-    let basis = Basis::equally_spaced(decay, T::of(0.6), [T::ZERO; N], [T::ZERO; N]).unwrap();
+    let (overlap, room) = (T::of(0.6), [T::ZERO; N]);
+    let basis = match family {
+        Family::Phase => Basis::equally_spaced(decay, overlap, room, room).unwrap(),
+        Family::Time => Basis::equally_spaced_in_time(decay, overlap, room, room).unwrap(),
+    };
     let list = |f: &dyn Fn(f64) -> f64| core::array::from_fn(|i| T::of(f(i as f64 / (N - 1) as f64)));
     let axes = core::array::from_fn(|axis| {
         let goal = 0.3 - 0.1 * axis as f64;
@@ -58,13 +73,13 @@ pub struct Rig<T, const D: usize> {
 }
 
 impl<T: Real + PartialOrd, const D: usize> Rig<T, D> {
-    pub fn new(settings: Settings<T, D>, duration: f64) -> Self {
-        let controller = Controller::new(skill(duration), settings, [T::ZERO; D]).unwrap();
+    pub fn new(family: Family, settings: Settings<T, D>, duration: f64) -> Self {
+        let controller = Controller::new(skill(family, duration), settings, [T::ZERO; D]).unwrap();
         Self { controller, input: input([0.0; D]), dt: DT }
     }
 
-    pub fn started(settings: Settings<T, D>, duration: f64) -> Self {
-        let mut rig = Self::new(settings, duration);
+    pub fn started(family: Family, settings: Settings<T, D>, duration: f64) -> Self {
+        let mut rig = Self::new(family, settings, duration);
         rig.ask(Request::Start);
         rig
     }

@@ -356,7 +356,7 @@ pub(super) fn unknown(what: &str, name: &str, known: &[&str]) -> String {
 }
 
 /// The known name with the fewest letters to change, if at most a third of them (two in a short name).
-fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
+pub(crate) fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let (distance, near) = known.iter().map(|known| (edits(name, known), *known)).min()?;
     (distance <= (name.len() / 3).max(2) && distance < name.len()).then_some(near)
 }

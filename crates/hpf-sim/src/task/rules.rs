@@ -5,8 +5,7 @@ use core::fmt::Display;
 use super::keys::{Document, unknown};
 use super::learning::PRIMITIVES;
 use super::{
-    Diagnostic, ExplorationKind, Gain, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Preset,
-    Scaling, Task, Unit,
+    Diagnostic, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Scaling, Task, Unit,
 };
 use crate::environment::{Distribution, Quantity};
 
@@ -27,7 +26,6 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     if named {
         rules.environment();
         rules.learned();
-        rules.draws();
     }
     rules.via_points();
     // What a file lacks is told only where all it has is right: a misspelt table would be told twice.
@@ -92,7 +90,7 @@ impl Rules<'_, '_, '_> {
         } else if (steps - steps.round()).abs() > 1e-6 * steps {
             let help = "duration times rate is the number of steps and must be a whole number";
             self.say("rate", format!("{product} {steps} steps"), help);
-        } else if steps < 2.0 {
+        } else if steps.round() < 2.0 {
             let help = "duration times rate is the number of steps, at least 2";
             self.say("rate", format!("{product} only 1 step"), help);
         }
@@ -284,18 +282,6 @@ impl Rules<'_, '_, '_> {
         }
     }
 
-    /// Tables that would not fit into memory, once for every draw.
-    fn draws(&mut self) {
-        let task = self.task;
-        let (steps, draws) = ((task.duration * task.rate).round(), task.draws() as f64);
-        // Forces at both ends of a step, and the error of a reading with whether it is lost.
-        let numbers = 4.0 * steps * task.axis.len() as f64 * draws;
-        if draws > 1.0 && numbers > MAX_NUMBERS as f64 && steps <= MAX_STEPS as f64 {
-            let help = format!("at most {MAX_NUMBERS}: fewer draws, or a lower rate");
-            self.say("learning.draws", format!("what all draws meet are {} numbers", plain(numbers)), help);
-        }
-    }
-
     /// The parts of an axis that are learned.
     fn learned(&mut self) {
         let task = self.task;
@@ -375,30 +361,18 @@ impl Rules<'_, '_, '_> {
 
     /// Tables that would not fit into memory.
     fn sizes(&mut self) {
-        let (task, learning) = (self.task, &self.task.learning);
-        let steps = (task.duration * task.rate).round();
-        let bases = [task.movement.basis, task.stiffness.basis, task.damping.basis];
-        let parameters = task.axis.len() as f64 * bases.iter().map(|basis| basis.count() as f64).sum::<f64>();
-        let rollouts = learning.rollouts as f64;
-        // Seven signals per axis, in every trajectory that is kept.
-        let signals = 7.0 * task.axis.len() as f64 * (1.0 + task.output.snapshots.len() as f64);
-        let paper = learning.preset == Preset::Paper && learning.exploration.is_none();
-        let tables = [
-            ("rate", "parameters at every step", steps * parameters, true),
-            ("rate", "signals of every kept trajectory", steps * signals, true),
-            ("learning.rollouts", "costs of every rollout and step", steps * rollouts, true),
-            (
-                "learning.rollouts",
-                "samples of every rollout, step and parameter",
-                steps * rollouts * parameters,
-                paper || learning.exploration == Some(ExplorationKind::Step),
-            ),
-        ];
-        for (path, what, numbers, is_used) in tables {
-            if is_used && numbers > MAX_NUMBERS as f64 && steps <= MAX_STEPS as f64 {
-                let help = format!("at most {MAX_NUMBERS}: a lower rate, fewer rollouts, or fewer basis functions");
-                return self.say(path, format!("{what} are {numbers} numbers"), help);
-            }
+        // More steps than are allowed are told already.
+        if self.task.duration * self.task.rate > MAX_STEPS as f64 {
+            return;
+        }
+        if let Some(table) = self.task.too_large() {
+            let message = format!("{} are {} numbers", table.what, plain(table.numbers));
+            let help = format!(
+                "at most {MAX_NUMBERS}, and {} GB of memory with the other tables: a lower rate, or fewer rollouts, \
+                 basis functions or snapshots",
+                MAX_MEMORY / 1e9
+            );
+            self.say(table.path, message, help);
         }
     }
 
@@ -441,5 +415,5 @@ fn count(number: usize, one: &str, many: &str) -> String {
 
 /// A number without hundreds of noughts.
 fn plain(value: f64) -> String {
-    if value < 1e15 { value.to_string() } else { format!("{value:e}") }
+    if (1e-6..1e15).contains(&value) { value.to_string() } else { format!("{value:e}") }
 }

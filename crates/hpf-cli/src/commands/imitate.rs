@@ -1,0 +1,175 @@
+//! `hpf imitate`: demonstrations in, a policy and its run directory out.
+
+mod options;
+mod saved;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use hpf_sim::demonstration::{Demonstration, Imitated};
+use hpf_sim::task::Task;
+use hpf_sim::{Metric, Simulation};
+
+use crate::cli::Common;
+use crate::directory::Unfinished;
+use crate::failure::{Failure, Outcome};
+use crate::files::{LoadedTask, in_file, read_task, read_text, say, sha256};
+use crate::results::{LearningRow, Run};
+use crate::summary::Summary;
+use crate::{overrides, report, results};
+
+pub use options::{HELP, Options};
+
+/// A demonstration and the file it was read from.
+struct Source {
+    path: PathBuf,
+    sha256: String,
+}
+
+/// Runs `hpf imitate`.
+pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
+    let started = Instant::now();
+    let (sources, demonstrations) = read(&options.demonstrations)?;
+    let mut loaded = task(options, common, &sources, &demonstrations)?;
+    let tables = results::own_tables(&mut loaded.task);
+    loaded.text = overrides::apply(&loaded.text, &tables.iter().map(|table| table.change.clone()).collect::<Vec<_>>())?;
+
+    let imitated = options.imitation().of(&demonstrations, &loaded.task).map_err(|error| {
+        let place = error.demonstration().map(|i| sources[i].path.display().to_string());
+        Failure::Input(format!("{}: {error}", place.unwrap_or_else(|| loaded.task.name.clone())))
+    })?;
+    let (run, mut summary, errors) = simulate(&loaded, &imitated)?;
+    let account = saved::Account::new(&sources, &imitated, &errors);
+
+    let target = common.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&loaded.task.name));
+    let mut folder = Unfinished::begin(&target, common.force)?;
+    let written = (|| {
+        folder.write("task.toml", &loaded.text)?;
+        for table in &tables {
+            folder.write(&table.name, &table.csv)?;
+        }
+        results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
+        folder.write("demonstrations.csv", saved::demonstrations_csv(&run, &imitated))?;
+        saved::draw(&run, &imitated, &mut folder)?;
+        summary.total_s = started.elapsed().as_secs_f64();
+        folder.write("summary.json", format!("{:#}\n", account.in_json(summary.to_json())))
+    })();
+    if let Err(failure) = written {
+        return Err(folder.abandon(failure));
+    }
+    let files = folder.files().to_vec();
+    folder.finish()?;
+
+    let place = target.display().to_string();
+    if common.json {
+        let mut object = account.in_json(summary.to_json());
+        object["directory"] = place.into();
+        object["files"] = files.into();
+        say(&format!("{object:#}\n"))?;
+    } else {
+        say(&account.text(&loaded.task, &summary, &place, &files))?;
+    }
+    Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
+}
+
+/// Reads the demonstrations, and says of which file a mistake is.
+fn read(paths: &[PathBuf]) -> Result<(Vec<Source>, Vec<Demonstration>), Failure> {
+    let mut sources = Vec::new();
+    let mut demonstrations: Vec<Demonstration> = Vec::new();
+    for path in paths {
+        // A run is a demonstration: its trajectory.
+        let path = if path.is_dir() { path.join("trajectory.csv") } else { path.clone() };
+        let text = read_text(&path)?;
+        let demonstration = Demonstration::parse(&text).map_err(|mistakes| {
+            let lines = mistakes.iter().map(|mistake| format!("{}:{mistake}", path.display()));
+            Failure::Input(lines.collect::<Vec<_>>().join("\nerror: "))
+        })?;
+        sources.push(Source { sha256: sha256(&text), path });
+        demonstrations.push(demonstration);
+    }
+    let axes = |one: &Demonstration| {
+        let mut names: Vec<_> = one.axes.iter().map(|axis| format!("{} [{:?}]", axis.name, axis.unit)).collect();
+        names.sort();
+        names.join(", ").to_lowercase()
+    };
+    for (one, source) in demonstrations.iter().zip(&sources).skip(1) {
+        let (found, expected) = (axes(one), axes(&demonstrations[0]));
+        if found != expected {
+            let first = sources[0].path.display();
+            let message = format!("it moves the axes {found}, {first} moves {expected}");
+            return Err(in_file(&source.path)(message));
+        }
+    }
+    Ok((sources, demonstrations))
+}
+
+/// The task named, or one made for the demonstrations; overrides applied.
+fn task(
+    options: &Options,
+    common: &Common,
+    sources: &[Source],
+    demonstrations: &[Demonstration],
+) -> Result<LoadedTask, Failure> {
+    let mut changes = options.set.clone();
+    changes.extend(options.name.as_ref().map(|name| format!("name={name:?}")));
+    changes.extend(common.seed.map(|seed| format!("learning.seed={seed}")));
+    if let Some(path) = &options.task {
+        return read_task(path, &changes);
+    }
+    let name = options.name.clone().unwrap_or_else(|| name_of(&sources[0].path));
+    let text = overrides::apply(&options.outline(name).write(demonstrations), &changes)?;
+    let task = Task::parse(&text).map_err(|found| report::render(&found, &text, "the task of the demonstrations"))?;
+    Ok(LoadedTask { task, text })
+}
+
+/// A name for the task of the demonstration in `path`: its own, in letters that a task may have.
+fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let allowed = |c: char| if c.is_ascii_alphanumeric() || "_-".contains(c) { c } else { '_' };
+    let name: String = stem.chars().map(allowed).take(100).collect();
+    if name.is_empty() { "demonstration".into() } else { name }
+}
+
+/// The motion of the imitated policy in its task, what it comes to, and how far it is from the demonstrations by axis.
+fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, Vec<f64>), Failure> {
+    let task = &loaded.task;
+    let mut policy = imitated.policy.clone();
+    let bad_task = |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", task.name));
+    let simulation = Simulation::new(task, &policy).map_err(|error| bad_task(&error))?;
+    let parameters = simulation.parameters(&policy);
+    let trajectory = simulation.rollout(&parameters);
+    let (cost, mut metrics) = simulation.evaluate(&parameters);
+    let price = (cost.total(), cost.terms.clone());
+    if !price.0.is_finite() {
+        return Err(bad_task(&"the imitated motion has no finite cost in this task"));
+    }
+    policy.provenance.task_sha256 = sha256(&loaded.text);
+    policy.provenance.cost = price.0;
+
+    let errors = imitated.errors(&trajectory);
+    let units: Vec<&str> = task.axis.iter().map(saved::unit).collect();
+    let unit = if units.iter().all(|unit| *unit == units[0]) { units[0] } else { "" };
+    let whole = errors.iter().map(|error| error * error).sum::<f64>().sqrt();
+    metrics.push(Metric { name: "demonstration_rmse", unit, value: whole, target: None });
+    let row = LearningRow { update: 0, rollouts: 1, total: price.0, terms: cost.terms, exploration: 0.0 };
+    let summary = Summary {
+        task: task.name.clone(),
+        task_sha256: sha256(&loaded.text),
+        policy_sha256: sha256(&policy.to_json()),
+        method: "imitation",
+        seed: task.learning.seed,
+        threads: rayon::current_num_threads(),
+        updates: 0,
+        best_update: 0,
+        rollouts: 1,
+        learning_s: 0.0,
+        total_s: 0.0,
+        initial: price.clone(),
+        last: price,
+        metrics,
+        rejected: 0,
+        stopped_because: "a demonstration was fitted, nothing learned".into(),
+    };
+    let run = Run { task: task.clone(), policy, learning: vec![row], trajectory, snapshots: Vec::new() };
+    Ok((run, summary, errors))
+}

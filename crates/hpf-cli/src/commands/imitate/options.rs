@@ -1,0 +1,265 @@
+//! What can be asked of `hpf imitate`, and what it comes to.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use hpf_sim::demonstration::{
+    DampingFrom, DurationFrom, Fit, Follow, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom,
+};
+
+/// Examples of `hpf imitate --help`.
+pub const HELP: &str = "\
+Examples:
+  hpf imitate tasks/demonstrations/wipe.csv
+  hpf imitate tasks/demonstrations/reach_*.csv --name reach_softly
+  hpf imitate tasks/demonstrations/insert_emg.csv --stiffness-max 600 --damping-from ratio --mass 2
+  hpf imitate tasks/demonstrations/push.csv --stiffness-from force --path reference
+  hpf imitate tasks/demonstrations/reach_1.csv --task tasks/reach.toml  # exit code 3: target missed
+  hpf learn runs/wipe/task.toml --from runs/wipe --out runs/wipe_learned --quiet
+
+Columns: time_s; for each axis NAME_m (or NAME_position_m), and if recorded NAME_reference_m, NAME_stiffness_n_m,
+NAME_damping_n_s_m, NAME_force_n (of the environment on the tool), NAME_emg. For an axis in rad: NAME_rad,
+NAME_stiffness_nm_rad, NAME_damping_nm_s_rad, NAME_torque_nm. Gains of such an axis are in N m/rad and N m s/rad.";
+
+/// `hpf imitate`
+#[derive(Args, Debug)]
+pub struct Options {
+    /// Demonstrations: CSV files, or run directories for their trajectories
+    #[arg(value_name = "DEMO", required = true)]
+    pub demonstrations: Vec<PathBuf>,
+    /// Task to imitate into: its axes, bases, bounds, duration, start and goal [default: one made for the demonstrations]
+    #[arg(long, value_name = "TASK", conflicts_with_all = OF_THE_TASK)]
+    pub task: Option<PathBuf>,
+    /// Name of the task [default: of the first file]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Override a key of the task, typed as in TOML; lists by position, from 0
+    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Path that the policy follows: where the tool went, or where it would have been without force
+    #[arg(long, value_enum, default_value = "position", value_name = "PATH")]
+    path: PathKind,
+    /// Regression
+    #[arg(long, value_enum, default_value = "ridge", value_name = "KIND")]
+    fit: FitKind,
+    /// Penalty of the regression of the movement, relative to the forcing scale squared
+    #[arg(long, default_value = "1e-9", value_name = "X", value_parser = not_negative)]
+    penalty: f64,
+    /// Cut-off of the zero-phase low-pass on positions [Hz], or off [default: 2 (basis - 1)/duration]
+    #[arg(long, value_name = "HZ|off", value_parser = smoothing)]
+    smooth: Option<Smoothing>,
+    /// Basis functions of each primitive
+    #[arg(long, default_value_t = 20, value_name = "N")]
+    basis: usize,
+    /// Decay of the phase: s(T) = exp(-decay) [default: ln 100]
+    #[arg(long, value_name = "X")]
+    decay: Option<f64>,
+    /// Spring factor of the movement [default: 25]
+    #[arg(long, value_name = "X")]
+    alpha: Option<f64>,
+    /// Scale of the forcing term [default: goal, or range where an axis ends near its start]
+    #[arg(long, value_enum, value_name = "KIND")]
+    scaling: Option<Scale>,
+    /// Duration of the policy [s], or mean or first of the demonstrations
+    #[arg(long, default_value = "mean", value_name = "S|mean|first", value_parser = duration)]
+    duration: DurationFrom,
+    /// Control rate [Hz] [default: that of the demonstrations]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    rate: Option<f64>,
+    /// Via points on the mean path in the task, which keep later learning to it
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
+    via_points: u16,
+    /// Source of stiffness [default: columns, else emg, else spread of several, else constant]
+    #[arg(long, value_enum, value_name = "SOURCE")]
+    stiffness_from: Option<StiffnessSource>,
+    /// Constant stiffness, and where learning starts without another [N/m] [default: 100, within the bounds]
+    #[arg(long, value_name = "N/m", value_parser = positive)]
+    stiffness: Option<f64>,
+    /// Smallest stiffness [N/m]
+    #[arg(long, default_value_t = 30.0, value_name = "N/m", value_parser = positive)]
+    stiffness_min: f64,
+    /// Largest stiffness [N/m]
+    #[arg(long, default_value_t = 400.0, value_name = "N/m", value_parser = positive)]
+    stiffness_max: f64,
+    /// Source of damping [default: columns, else force where stiffness is from force, else constant]
+    #[arg(long, value_enum, value_name = "SOURCE")]
+    damping_from: Option<DampingSource>,
+    /// Constant damping [N s/m] [default: 50, within the bounds]
+    #[arg(long, value_name = "N s/m", value_parser = positive)]
+    damping: Option<f64>,
+    /// Smallest damping [N s/m]
+    #[arg(long, default_value_t = 10.0, value_name = "N s/m", value_parser = positive)]
+    damping_min: f64,
+    /// Largest damping [N s/m]
+    #[arg(long, default_value_t = 100.0, value_name = "N s/m", value_parser = positive)]
+    damping_max: f64,
+    /// Damping ratio for --damping-from ratio, 1 is critical
+    #[arg(long, default_value_t = 1.0, value_name = "X", value_parser = positive)]
+    damping_ratio: f64,
+    /// Mass for --damping-from ratio [kg]
+    #[arg(long, default_value_t = 1.0, value_name = "KG", value_parser = positive)]
+    mass: f64,
+    /// Cut-off of the envelope of muscle activity [Hz]
+    #[arg(long, default_value_t = 3.0, value_name = "HZ", value_parser = positive)]
+    emg_cutoff: f64,
+    /// Window for gains from force [s] [default: a tenth of the duration]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    window: Option<f64>,
+}
+
+/// What a task named with `--task` decides.
+const OF_THE_TASK: [&str; 13] = [
+    "basis",
+    "decay",
+    "alpha",
+    "scaling",
+    "duration",
+    "rate",
+    "via_points",
+    "stiffness",
+    "stiffness_min",
+    "stiffness_max",
+    "damping",
+    "damping_min",
+    "damping_max",
+];
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum PathKind {
+    /// NAME_m or NAME_position_m
+    Position,
+    /// NAME_reference_m
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FitKind {
+    /// All weights at once, with a small penalty
+    Ridge,
+    /// Locally weighted regression, as in the paper
+    Lwr,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Scale {
+    /// The way from start to goal, as in the paper
+    Goal,
+    /// 1
+    Unit,
+    /// The range of each axis in the demonstrations
+    Range,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum StiffnessSource {
+    /// The demonstrations' own columns
+    Columns,
+    /// The spread of several demonstrations: stiff where they agree
+    Spread,
+    /// Muscle activity
+    Emg,
+    /// Recorded force and how far the tool gave way
+    Force,
+    /// --stiffness
+    Constant,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DampingSource {
+    /// The demonstrations' own columns
+    Columns,
+    /// Recorded force and how fast the tool gave way
+    Force,
+    /// --damping-ratio of the critical damping of --mass on the stiffness
+    Ratio,
+    /// --damping
+    Constant,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "it must be a number".into())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("it must be above 0".into()) })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err("it must be at least 0".into()) })
+}
+
+fn smoothing(text: &str) -> Result<Smoothing, String> {
+    if text == "off" { Ok(Smoothing::Off) } else { positive(text).map(Smoothing::CutOff) }
+}
+
+fn duration(text: &str) -> Result<DurationFrom, String> {
+    match text {
+        "mean" => Ok(DurationFrom::Mean),
+        "first" => Ok(DurationFrom::First),
+        time => positive(time).map(DurationFrom::Given),
+    }
+}
+
+impl Options {
+    fn follow(&self) -> Follow {
+        match self.path {
+            PathKind::Position => Follow::Position,
+            PathKind::Reference => Follow::Reference,
+        }
+    }
+
+    /// How the policy is fitted.
+    pub fn imitation(&self) -> Imitation {
+        Imitation {
+            follow: self.follow(),
+            fit: match self.fit {
+                FitKind::Ridge => Fit::Ridge,
+                FitKind::Lwr => Fit::LocallyWeighted,
+            },
+            penalty: self.penalty,
+            smoothing: self.smooth.unwrap_or_default(),
+            stiffness: self.stiffness_from.map(|source| match source {
+                StiffnessSource::Columns => StiffnessFrom::Columns,
+                StiffnessSource::Spread => StiffnessFrom::Spread,
+                StiffnessSource::Emg => StiffnessFrom::Emg,
+                StiffnessSource::Force => StiffnessFrom::Force,
+                StiffnessSource::Constant => StiffnessFrom::Constant,
+            }),
+            damping: self.damping_from.map(|source| match source {
+                DampingSource::Columns => DampingFrom::Columns,
+                DampingSource::Force => DampingFrom::Force,
+                DampingSource::Ratio => DampingFrom::Ratio,
+                DampingSource::Constant => DampingFrom::Constant,
+            }),
+            emg_cut_off: self.emg_cutoff,
+            window: self.window,
+            damping_ratio: self.damping_ratio,
+            mass: self.mass,
+        }
+    }
+
+    /// The task to make, called `name`.
+    pub fn outline(&self, name: String) -> Outline {
+        // A value left out lies within the bounds; one given outside them is told.
+        let gain = |initial: Option<f64>, paper: f64, min: f64, max: f64| {
+            [initial.unwrap_or_else(|| paper.min(max).max(min)), min, max]
+        };
+        Outline {
+            name,
+            follow: self.follow(),
+            duration: self.duration,
+            rate: self.rate,
+            basis: self.basis,
+            decay: self.decay.unwrap_or_else(|| 100.0_f64.ln()),
+            alpha: self.alpha.unwrap_or(hpf_core::movement::DEFAULT_ALPHA),
+            scaling: self.scaling.map(|scale| match scale {
+                Scale::Goal => ScaleBy::Goal,
+                Scale::Unit => ScaleBy::Unit,
+                Scale::Range => ScaleBy::Range,
+            }),
+            stiffness: gain(self.stiffness, 100.0, self.stiffness_min, self.stiffness_max),
+            damping: gain(self.damping, 50.0, self.damping_min, self.damping_max),
+            via_points: self.via_points.into(),
+        }
+    }
+}

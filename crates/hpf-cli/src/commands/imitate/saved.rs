@@ -1,0 +1,151 @@
+//! What an imitation leaves beside a run: where it came from, and how near it came.
+
+use core::fmt::Write as _;
+
+use hpf_sim::demonstration::{DampingFrom, Imitated, StiffnessFrom};
+use hpf_sim::task::{Axis, Task, Unit};
+use serde_json::{Map, Value, json};
+
+use super::Source;
+use crate::directory::Unfinished;
+use crate::failure::Failure;
+use crate::figure;
+use crate::render::{self, number};
+use crate::results::Run;
+use crate::summary::Summary;
+
+/// The unit of an axis in letters.
+pub fn unit(axis: &Axis) -> &'static str {
+    match axis.unit {
+        Unit::M => "m",
+        Unit::Rad => "rad",
+    }
+}
+
+/// What a policy was made of, for people and for programs.
+pub struct Account {
+    sources: Vec<(String, String)>,
+    axes: Vec<AxisAccount>,
+    notes: Vec<String>,
+}
+
+struct AxisAccount {
+    name: String,
+    unit: Unit,
+    error: f64,
+    spread: f64,
+    stiffness: &'static str,
+    damping: &'static str,
+}
+
+impl Account {
+    /// The account of `imitated` from `sources`; `errors` is its distance from the demonstrations by axis.
+    pub fn new(sources: &[Source], imitated: &Imitated, errors: &[f64]) -> Self {
+        let spread = imitated.spread();
+        let axes = imitated.policy.axes.iter().enumerate().map(|(a, axis)| AxisAccount {
+            name: axis.name.clone(),
+            unit: axis.unit,
+            error: errors[a],
+            spread: spread[a],
+            stiffness: match imitated.stiffness[a] {
+                StiffnessFrom::Columns => "columns",
+                StiffnessFrom::Spread => "spread",
+                StiffnessFrom::Emg => "emg",
+                StiffnessFrom::Force => "force",
+                StiffnessFrom::Constant => "constant",
+            },
+            damping: match imitated.damping[a] {
+                DampingFrom::Columns => "columns",
+                DampingFrom::Force => "force",
+                DampingFrom::Ratio => "ratio",
+                DampingFrom::Constant => "constant",
+            },
+        });
+        Self {
+            sources: sources.iter().map(|source| (source.path.display().to_string(), source.sha256.clone())).collect(),
+            axes: axes.collect(),
+            notes: imitated.notes.clone(),
+        }
+    }
+
+    /// `summary` with the account under `imitation`.
+    pub fn in_json(&self, mut summary: Value) -> Value {
+        let axes = self.axes.iter().map(|axis| {
+            let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+            let mut object = Map::new();
+            object.insert("name".into(), json!(axis.name));
+            object.insert(format!("rmse_{unit}"), json!(axis.error));
+            object.insert(format!("spread_{unit}"), json!(axis.spread));
+            object.insert("stiffness_from".into(), json!(axis.stiffness));
+            object.insert("damping_from".into(), json!(axis.damping));
+            Value::Object(object)
+        });
+        let files = self.sources.iter().map(|(file, sha256)| json!({ "file": file, "sha256": sha256 }));
+        summary["imitation"] = json!({
+            "demonstrations": files.collect::<Vec<_>>(),
+            "axes": axes.collect::<Vec<_>>(),
+            "notes": self.notes,
+        });
+        summary
+    }
+
+    /// The result in the terminal.
+    pub fn text(&self, task: &Task, summary: &Summary, folder: &str, files: &[String]) -> String {
+        let count = self.sources.len();
+        let mut text = format!(
+            "{}: a policy of {} s from {count} demonstration{}, {} steps at {} Hz\n",
+            task.name,
+            task.duration,
+            if count == 1 { "" } else { "s" },
+            task.steps(),
+            task.rate
+        );
+        for note in &self.notes {
+            let _ = writeln!(text, "note: {note}");
+        }
+        let _ =
+            writeln!(text, "\n{:<8} {:>14} {:>14}   {:<14} damping from", "axis", "RMSE", "spread", "stiffness from");
+        for axis in &self.axes {
+            let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+            let _ = writeln!(
+                text,
+                "{:<8} {:>14} {:>14}   {:<14} {}",
+                axis.name,
+                render::measure(axis.error, unit),
+                if count == 1 { "-".into() } else { render::measure(axis.spread, unit) },
+                axis.stiffness,
+                axis.damping
+            );
+        }
+        let _ = write!(text, "\ncost {} in the task\n\n", number(summary.last.0));
+        text += &render::metrics(task, &summary.metrics);
+        let _ = write!(text, "\nwritten to {folder}:\n{}", render::wrapped(files));
+        let _ = write!(text, "\nnext: hpf learn {folder}/task.toml --from {folder} --out {folder}_learned\n");
+        text
+    }
+}
+
+/// The text of `demonstrations.csv`: each demonstration at the samples of the policy, and the policy's reference.
+pub fn demonstrations_csv(run: &Run, imitated: &Imitated) -> String {
+    let mut columns = vec![("time_s".to_owned(), run.trajectory.time.clone())];
+    for (a, axis) in run.task.axis.iter().enumerate() {
+        let (name, unit) = (&axis.name, unit(axis));
+        for (number, demonstration) in imitated.demonstrations.iter().enumerate() {
+            columns.push((format!("{name}_demonstration_{}_{unit}", number + 1), demonstration[a].clone()));
+        }
+        columns.push((format!("{name}_reference_{unit}"), run.trajectory.axes[a].reference_position.clone()));
+    }
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let mut text = names.join(",") + "\n";
+    for row in 0..run.trajectory.time.len() {
+        let numbers: Vec<String> = columns.iter().map(|(_, list)| format!("{:?}", list[row])).collect();
+        text += &numbers.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// Draws the demonstrations and what became of them into `plots/`.
+pub fn draw(run: &Run, imitated: &Imitated, folder: &mut Unfinished) -> Result<(), Failure> {
+    figure::draw_demonstrations(run, &imitated.demonstrations, folder)
+}

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Runs the tests of hpf-core and the golden bits of firmware/ as a 64-bit ARM Linux program under qemu-user.
+# Installs what it needs: the Rust target by rustup, a linker, its C library and qemu-user from Debian. Exits non-zero if
+# a test fails; where the tools cannot be installed it says so and exits 0 with nothing checked.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+target=aarch64-unknown-linux-gnu
+library=/usr/aarch64-linux-gnu
+skip() {
+    echo "SKIPPED: $1; no test was run on an emulated ARM Linux"
+    exit 0
+}
+if ! rustup target list --installed 2>/dev/null | grep -qx "$target"; then
+    rustup target add "$target" || skip "the Rust target $target cannot be installed"
+fi
+if ! { command -v qemu-aarch64 && command -v aarch64-linux-gnu-gcc && [ -e "$library/lib/libc.so.6" ]; } >/dev/null; then
+    { apt-get update && apt-get install -y --no-install-recommends gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user; } ||
+        skip "gcc-aarch64-linux-gnu, libc6-dev-arm64-cross or qemu-user cannot be installed"
+fi
+
+unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS
+export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
+# Of two C libraries in one program the first thread never returns: a time limit, instead of a check that hangs.
+export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="timeout 300 qemu-aarch64 -L $library"
+# Emulation is slow: fewer updates of the long tests than on the host.
+export HPF_CAMPAIGN_UPDATES=${HPF_CAMPAIGN_UPDATES:-20000} HPF_HOUR_SECONDS=${HPF_HOUR_SECONDS:-20}
+echo "== tests of hpf-core, $target"
+cargo test --locked --quiet --package hpf-core --tests --target "$target"
+echo "== golden bits, $target"
+cd firmware
+cargo test --locked --quiet --lib --target "$target"
