@@ -1,6 +1,6 @@
 //! What the shipped tasks promise, for every seed from 1 to 10, within 12 000 motions.
 //!
-//! `cargo test --release --test e2e acceptance -- --nocapture` prints the table of the README.
+//! `cargo test --release --test e2e acceptance -- --nocapture` prints every measure.
 
 use core::ops::RangeInclusive;
 

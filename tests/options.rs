@@ -5,8 +5,10 @@ use std::process::Command;
 
 use crate::support::{expect, folder, read, task};
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 14] = [
     "learn",
+    "sweep",
+    "reproduce",
     "run",
     "imitate",
     "plot",

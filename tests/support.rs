@@ -53,6 +53,33 @@ pub fn json(path: impl AsRef<Path>) -> Value {
     serde_json::from_str(&read(path)).expect("the file is JSON")
 }
 
+/// Asserts that two run directories have the same files with the same bytes, wall times and threads left out.
+pub fn expect_same_run(a: &Path, b: &Path) {
+    let names = |folder: &Path| {
+        let mut names = Vec::new();
+        for folder in [folder.to_owned(), folder.join("plots"), folder.join("snapshots")] {
+            let entries = std::fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path());
+            names.extend(entries.filter(|path| path.is_file()));
+        }
+        let mut names: Vec<PathBuf> = names.iter().map(|path| path.strip_prefix(folder).unwrap().to_owned()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(a), names(b), "{} and {}", a.display(), b.display());
+    for name in names(a).iter().filter(|name| !name.ends_with("summary.json")) {
+        let bytes = |folder: &Path| std::fs::read(folder.join(name)).unwrap();
+        assert!(bytes(a) == bytes(b), "{} differs between {} and {}", name.display(), a.display(), b.display());
+    }
+    let summary = |folder: &Path| {
+        let mut summary = json(folder.join("summary.json"));
+        for key in ["learning_s", "total_s", "threads"] {
+            summary[key] = Value::Null;
+        }
+        summary
+    };
+    assert_eq!(summary(a), summary(b));
+}
+
 /// The value of a metric in a summary.
 pub fn metric(summary: &Value, name: &str) -> f64 {
     let metrics = summary["metrics"].as_array().expect("a list of metrics");

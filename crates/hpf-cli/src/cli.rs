@@ -7,6 +7,7 @@ use clap_complete::Shell;
 
 use crate::commands::init::Kind;
 use crate::export::{Format, Precision};
+use crate::figure;
 use crate::style::ColorChoice;
 
 /// Learn, run and inspect compliant robot skills: motion, stiffness and damping in one.
@@ -33,6 +34,36 @@ Examples:
   hpf export runs/cantilever --format rust           # what was learned, for firmware
 
 Exit codes: 0 done, 1 failed, 2 bad arguments or invalid task, 3 a target of [accept] was missed, 130 Ctrl-C.";
+
+const PLOT_EXAMPLES: &str = "\
+Examples:
+  hpf plot runs/cantilever --force
+  hpf plot runs/cantilever --only stiffness,deviation --format svg --out figures
+  hpf learn tasks/cantilever.toml --seed 2 --out runs/second
+  hpf plot runs/cantilever runs/second --out compared
+
+Figures of one run go into its plots/, unless --out says where; those of several runs need --out. Several runs are drawn in \
+the same figures, a colour each: at most 16, with axes of the same names and units.";
+
+const SWEEP_EXAMPLES: &str = "\
+Examples:
+  hpf sweep tasks/via_point.toml --seeds 20
+  hpf sweep tasks/via_point.toml --seeds 10 --vary learning.noise.movement=3,10,30
+  hpf sweep tasks/cantilever.toml --vary learning.method=pi2,auto --vary 'contact.curve=\"tip_load\",\"moving_load\"'
+
+Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and a directory per run in runs/. The same \
+command goes on where it was broken off: finished runs are kept, failed ones are tried again. Seeds count up from --seed. \
+--force learns all runs again. Exit code 1 where a run failed, else 3 where one missed a target.";
+
+const REPRODUCE_EXAMPLES: &str = "\
+Examples:
+  hpf reproduce
+  hpf reproduce --seeds 3 --out paper
+  hpf reproduce --check docs/reproduction.md
+
+Writes to runs/reproduction, or --out: figure_02_... to figure_12_..., claims.md and claims.json, results.csv with every \
+seed, and the runs of the first seed. Seeds count up from --seed [default: 1]. --check and --update compare or replace what \
+stands in a page between its two marks, and write nothing else. Exit code 1 where the page is not current.";
 
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]
@@ -70,7 +101,9 @@ pub enum Command {
 Examples:
   hpf learn tasks/cantilever.toml
   hpf learn tasks/via_point.toml --set 'via_point.0.position=[0.5,0.9]' --out runs/elsewhere
-  hpf learn tasks/reach.toml --set learning.updates=300 --json")]
+  hpf learn tasks/reach.toml --set learning.updates=300 --json
+
+A run that was killed or stopped by Ctrl-C goes on with --resume RUN: hpf learn --resume runs/cantilever")]
     Learn(Learn),
     /// Simulate a learned policy, also at another rate or in another environment
     #[command(after_help = "\
@@ -82,8 +115,8 @@ Examples:
     /// Make a policy of demonstrations (CSV), kept as a run
     #[command(after_help = crate::commands::imitate::HELP)]
     Imitate(Box<crate::commands::imitate::Options>),
-    /// Draw the plots of a run again, from its tables
-    #[command(after_help = "Example:\n  hpf plot runs/cantilever --out figures")]
+    /// Draw the figures of a run again, or of several together
+    #[command(after_help = PLOT_EXAMPLES)]
     Plot(Plot),
     /// Check a task or policy and say what it comes to; a policy with its certificates
     #[command(after_help = "\
@@ -104,6 +137,12 @@ Examples:
 
 Without --out: policy.rs, policy.h, policy.bin or ros2.mcap beside the policy.")]
     Export(Export),
+    /// Learn a task with several seeds and settings, and compare
+    #[command(after_help = SWEEP_EXAMPLES)]
+    Sweep(Sweep),
+    /// Draw every figure of the paper, and check its claims
+    #[command(after_help = REPRODUCE_EXAMPLES)]
+    Reproduce(Reproduce),
     /// Say what is in a run, task, policy or MCAP log; several runs side by side
     #[command(after_help = "\
 Examples:
@@ -159,14 +198,17 @@ Examples:
 #[derive(Args, Debug)]
 pub struct Learn {
     /// Task file (TOML)
-    #[arg(value_name = "TASK")]
-    pub task: PathBuf,
+    #[arg(value_name = "TASK", required_unless_present = "resume")]
+    pub task: Option<PathBuf>,
     /// Policy to start from, such as an imitated one; of the task's axes and bases [default: the bare pull to the goal]
-    #[arg(long, value_name = "POLICY|RUN")]
+    #[arg(long, value_name = "POLICY|RUN", conflicts_with = "resume")]
     pub from: Option<PathBuf>,
     /// Override a key of the task, typed as in TOML; lists by position, from 0
-    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    #[arg(long, value_name = "KEY.PATH=VALUE", conflicts_with = "resume")]
     pub set: Vec<String>,
+    /// Go on with a run that was killed or interrupted, to the same results as if it had not been
+    #[arg(long, value_name = "RUN", conflicts_with = "task")]
+    pub resume: Option<PathBuf>,
 }
 
 /// `hpf run`
@@ -189,9 +231,15 @@ pub struct Simulate {
 /// `hpf plot`
 #[derive(Args, Debug)]
 pub struct Plot {
-    /// Run directory
-    #[arg(value_name = "RUN")]
-    pub run: PathBuf,
+    /// Run directories
+    #[arg(value_name = "RUN", required = true)]
+    pub runs: Vec<PathBuf>,
+    /// Form of the figures
+    #[arg(long, value_enum, value_name = "FORM", default_value = "png")]
+    pub format: figure::Format,
+    /// Only these figures, such as stiffness,cost [default: all that the runs have in common]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub only: Vec<String>,
 }
 
 /// `hpf check`
@@ -229,6 +277,40 @@ pub struct Export {
     /// Scalar of a form for firmware [default: f64]
     #[arg(long, value_enum, value_name = "SCALAR")]
     pub scalar: Option<Precision>,
+}
+
+/// `hpf sweep`
+#[derive(Args, Debug)]
+pub struct Sweep {
+    /// Task file (TOML)
+    #[arg(value_name = "TASK")]
+    pub task: PathBuf,
+    /// Runs of every setting, each with a seed of its own
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Vary a key of the task over these values; several make a grid
+    #[arg(long, value_name = "KEY.PATH=VALUE,VALUE...")]
+    pub vary: Vec<String>,
+    /// Override a key of the task in every run, typed as in TOML; lists by position, from 0
+    #[arg(long, value_name = "KEY.PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Keep snapshots, log and plots of every run too
+    #[arg(long)]
+    pub full: bool,
+}
+
+/// `hpf reproduce`
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Runs of every task, each with a seed of its own
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Fail where what stands between the marks of this page is not what comes out
+    #[arg(long, value_name = "FILE", conflicts_with = "update")]
+    pub check: Option<PathBuf>,
+    /// Write what comes out between the marks of this page
+    #[arg(long, value_name = "FILE")]
+    pub update: Option<PathBuf>,
 }
 
 /// `hpf info`

@@ -10,9 +10,10 @@ mod learn;
 mod manual;
 mod plot;
 mod recover;
+mod reproduce;
 mod schema;
 mod simulate;
-mod start;
+mod sweep;
 
 use crate::cli::{Arguments, Command, Common};
 use crate::failure::{Failure, Outcome};
@@ -34,6 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Plot(options) => plot::plot(options, common),
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),
+        Command::Sweep(options) => sweep::sweep(options, common),
+        Command::Reproduce(options) => reproduce::reproduce(options, common),
         Command::Info(options) => info::info(options, common),
         Command::Recover(options) => recover::recover(options, common),
         Command::Init(options) => init::init(options, common),

@@ -10,20 +10,26 @@ use crate::files::{self, while_writing};
 /// The file that a run under way holds locked, inside its unfinished directory.
 const LOCK: &str = ".lock";
 
+/// What learning was told so far, in a run that can go on.
+pub const CHECKPOINT: &str = "checkpoint";
+
 /// Folders inside a run directory.
 const FOLDERS: [&str; 2] = ["plots", "snapshots"];
 
 /// A run directory being filled. Until [`Unfinished::finish`] its name ends in `.partial`.
 pub struct Unfinished {
     target: PathBuf,
+    /// Where it is now.
     partial: PathBuf,
     files: Vec<String>,
+    /// Whether something was learned that a resumed run can go on from.
+    is_resumable: bool,
     /// Held until the end: another run leaves this directory alone.
     _lock: File,
 }
 
 impl Unfinished {
-    /// Begins a run directory `target`.
+    /// Begins a run directory `target`; until [`Unfinished::ready`] a kill leaves nothing that is in the way.
     ///
     /// # Errors
     /// [`Failure::Input`] where results stand there and `force` is not given, where something that is no run directory
@@ -55,15 +61,75 @@ impl Unfinished {
         if let Some(parent) = partial.parent() {
             fs::create_dir_all(parent).map_err(while_writing(parent))?;
         }
+        let beginning = target.with_added_extension("beginning");
+        if exists(&beginning) {
+            // A run that was killed before it could be resumed has made nothing worth keeping.
+            discard(&beginning, true)?;
+        }
         let make = || -> io::Result<File> {
-            fs::create_dir(&partial)?;
-            let lock = File::create(partial.join(LOCK))?;
+            fs::create_dir(&beginning)?;
+            let lock = File::create(beginning.join(LOCK))?;
             lock.lock()?;
-            FOLDERS.iter().try_for_each(|folder| fs::create_dir(partial.join(folder)))?;
+            FOLDERS.iter().try_for_each(|folder| fs::create_dir(beginning.join(folder)))?;
             Ok(lock)
         };
-        let lock = make().map_err(while_writing(&partial))?;
-        Ok(Self { target, partial, files: Vec::new(), _lock: lock })
+        let lock = make().map_err(while_writing(&beginning))?;
+        Ok(Self { target, partial: beginning, files: Vec::new(), is_resumable: false, _lock: lock })
+    }
+
+    /// Gives a directory that has all a run needs to go on, or that needs none, the name under which it is looked for.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] where it cannot be renamed.
+    pub fn ready(&mut self) -> Result<(), Failure> {
+        let partial = self.target.with_added_extension("partial");
+        fs::rename(&self.partial, &partial).map_err(while_writing(&partial))?;
+        self.partial = partial;
+        Ok(())
+    }
+
+    /// Takes up a run that was killed, or a run directory that Ctrl-C left, where it stands.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] where there is none, where it is finished, where it is going on, and where `force` is missing
+    /// to replace what it would replace; [`Failure::Work`] where the directory cannot be changed.
+    pub fn resume(run: &Path, force: bool) -> Result<Self, Failure> {
+        let is_partial = run.extension().is_some_and(|extension| extension == "partial");
+        let target = if is_partial { run.with_extension("") } else { run.to_owned() };
+        let target = fs::canonicalize(&target).unwrap_or(target);
+        let refuse = |path: &Path, why: &str| Err(Failure::Input(format!("{} {why}", path.display())));
+        if target.file_name().is_none() {
+            return refuse(&target, "cannot name a run directory");
+        }
+        let partial = target.with_added_extension("partial");
+        if exists(&partial) {
+            if !partial.join(CHECKPOINT).is_file() {
+                return refuse(&partial, "has no checkpoint to go on from; learn the task again with --force");
+            }
+            if exists(&target) && !is_empty_directory(&target) && !force {
+                return refuse(&target, "exists beside the run that was broken off; pass --force to replace it");
+            }
+        } else if target.join(CHECKPOINT).is_file() {
+            fs::rename(&target, &partial).map_err(while_writing(&partial))?;
+        } else if target.join("summary.json").is_file() {
+            return refuse(&target, "is finished: there is nothing to go on with");
+        } else {
+            return refuse(&target, "is no run that was broken off: there is nothing to go on with");
+        }
+        let lock = File::options().create(true).truncate(false).write(true).open(partial.join(LOCK));
+        let lock = lock.map_err(while_writing(&partial))?;
+        if lock.try_lock().is_err() {
+            return refuse(&partial, "belongs to a run that is going on; wait for it");
+        }
+        for folder in FOLDERS.map(|folder| partial.join(folder)).iter().filter(|folder| !folder.is_dir()) {
+            fs::create_dir(folder).map_err(while_writing(folder))?;
+        }
+        Ok(Self { target, partial, files: Vec::new(), is_resumable: true, _lock: lock })
+    }
+
+    /// From now on a failure leaves the directory to a resumed run.
+    pub fn keep_for_resume(&mut self) {
+        self.is_resumable = true;
     }
 
     /// Where the file `name` is while the directory is filled.
@@ -91,11 +157,12 @@ impl Unfinished {
         &self.files
     }
 
-    /// Gives the directory its name; what it replaces is removed last.
+    /// Gives the directory its name; what it replaces is removed last, and before it the checkpoint, unless `is_open`:
+    /// a kill in between leaves a whole run.
     ///
     /// # Errors
     /// [`Failure::Work`] that says where the results are.
-    pub fn finish(self) -> Result<(), Failure> {
+    pub fn finish(self, is_open: bool) -> Result<(), Failure> {
         let swap = || -> io::Result<()> {
             fs::remove_file(self.partial.join(LOCK))?;
             for folder in FOLDERS.map(|folder| self.partial.join(folder)) {
@@ -109,6 +176,10 @@ impl Unfinished {
                 fs::rename(&self.target, &old)?;
             }
             fs::rename(&self.partial, &self.target)?;
+            let checkpoint = self.target.join(CHECKPOINT);
+            if !is_open && checkpoint.is_file() {
+                fs::remove_file(checkpoint)?;
+            }
             if replaces { fs::remove_dir_all(&old) } else { Ok(()) }
         };
         swap().map_err(|error| {
@@ -117,10 +188,11 @@ impl Unfinished {
         })
     }
 
-    /// Gives up: a policy that is already whole is kept, with the whole files beside it; anything less is removed.
+    /// Gives up: what a resumed run can go on from is kept, and a policy that is already whole with the whole files
+    /// beside it; anything less is removed.
     pub fn abandon(self, failure: Failure) -> Failure {
         // The failure to report is the one that led here: what cannot be tidied up is left.
-        let is_kept = self.files.iter().any(|name| name == "policy.json");
+        let is_kept = self.is_resumable || self.files.iter().any(|name| name == "policy.json");
         if !is_kept {
             let _ = fs::remove_dir_all(&self.partial);
             return failure;
@@ -132,7 +204,11 @@ impl Unfinished {
                 let _ = fs::remove_file(entry.path());
             }
         }
-        failure.with(&format!("what was finished before is in {}", self.partial.display()))
+        let kept = failure.with(&format!("what was finished before is in {}", self.partial.display()));
+        if !self.is_resumable {
+            return kept;
+        }
+        kept.with(&format!("go on from there with: hpf learn --resume {}", self.target.display()))
     }
 }
 
@@ -162,7 +238,7 @@ fn discard(partial: &Path, force: bool) -> Result<(), Failure> {
         return refuse("is in the way and is no broken-off run; move it, or pass another --out");
     }
     if !force {
-        return refuse("holds a run that was broken off; pass --force to discard it");
+        return refuse("holds a run that was broken off; go on with it by --resume, or pass --force to discard it");
     }
     fs::remove_dir_all(partial).map_err(while_writing(partial))
 }

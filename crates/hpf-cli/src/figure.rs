@@ -1,24 +1,29 @@
-//! The figures of a run, as PNG files: the same run gives the same bytes.
+//! The figures of a run, or of several runs together, as PNG or SVG files: the same runs give the same bytes.
 //!
-//! A kind of figure is a function from a run to a [`chart::Figure`], plain data; [`canvas`] alone draws.
+//! A kind of figure is a function from runs to a [`chart::Figure`], plain data; [`canvas`] alone draws.
 
 mod axis;
 mod beam;
+mod bitmap;
 mod canvas;
 mod chart;
 mod contact;
 mod cost;
 mod demonstration;
+mod distribution;
+mod ends;
 mod gain;
 mod layout;
 mod legend;
 mod motions;
 mod number;
+mod overlay;
 mod palette;
 mod plane;
 mod signals;
 mod surface;
 mod text;
+mod vector;
 
 use std::fs;
 use std::path::Path;
@@ -32,74 +37,87 @@ use crate::failure::Failure;
 use crate::files::while_writing;
 use crate::results::Run;
 
-/// Makes a figure of a run.
-type Kind<'r> = Box<dyn Fn() -> chart::Figure + Send + Sync + 'r>;
+pub use self::chart::Figure;
+pub use self::distribution::{Group, Measure, Member, cost as sweep_cost, measures as sweep_measures};
+pub use self::number::short;
+pub use self::overlay::{Named, figures as overlaid};
+pub use self::palette::MOST_SERIES;
+pub use self::surface::Format;
 
-/// The figures of `run`: file name, and how each is made.
-fn figures(run: &Run) -> Vec<(&'static str, Kind<'_>)> {
-    let mut figures: Vec<(&'static str, Kind<'_>)> = vec![
-        ("cost.png", Box::new(|| cost::cost(run))),
-        ("stiffness.png", Box::new(|| gain::stiffness(run))),
-        ("damping.png", Box::new(|| gain::damping(run))),
+/// A figure that can be drawn: its name, and how it is made.
+pub struct Drawing<'r> {
+    /// Name of its file, without the ending.
+    pub name: String,
+    /// Makes it.
+    pub make: Box<dyn Fn() -> Figure + Send + Sync + 'r>,
+}
+
+impl<'r> Drawing<'r> {
+    /// A figure of this name.
+    pub fn new(name: impl Into<String>, make: impl Fn() -> Figure + Send + Sync + 'r) -> Self {
+        Self { name: name.into(), make: Box::new(make) }
+    }
+}
+
+/// The figures of `run`.
+pub fn figures(run: &Run) -> Vec<Drawing<'_>> {
+    let mut figures = vec![
+        Drawing::new("cost", || cost::cost(run)),
+        Drawing::new("stiffness", || gain::stiffness(run)),
+        Drawing::new("damping", || gain::damping(run)),
     ];
-    let axes = &run.task.axis;
-    if run.task.contact.is_none() || !run.task.disturbance.is_empty() {
-        figures.push(("disturbance.png", Box::new(|| signals::disturbance(run))));
+    if is_disturbed(run) {
+        figures.push(Drawing::new("disturbance", || signals::disturbance(run)));
     }
     match &run.task.contact {
-        None => {
-            if axes.len() == 2 && axes.iter().all(|axis| axis.unit == Unit::M) {
-                figures.push(("path.png", Box::new(|| plane::path(run))));
-            } else {
-                figures.push(("path.png", Box::new(|| signals::position(run))));
+        None if is_plane(run) => figures.push(Drawing::new("path", || plane::path(run))),
+        None | Some(Contact::Wall(_)) => figures.push(Drawing::new("path", || signals::position(run))),
+        Some(Contact::Cantilever(beam)) => {
+            let axis = run.task.axis_index(&beam.axis).unwrap_or(0);
+            figures.push(Drawing::new("beam", move || beam::curves(run, beam)));
+            figures.push(Drawing::new("path", move || beam::path(run, beam, axis)));
+            if run.task.axis.len() > 1 {
+                figures.push(Drawing::new("position", || signals::position(run)));
             }
         }
-        Some(contact) => {
-            match contact {
-                Contact::Cantilever(beam) => {
-                    let axis = run.task.axis_index(&beam.axis).unwrap_or(0);
-                    figures.push(("beam.png", Box::new(move || beam::curves(run, beam))));
-                    figures.push(("path.png", Box::new(move || beam::path(run, beam, axis))));
-                    if axes.len() > 1 {
-                        figures.push(("position.png", Box::new(|| signals::position(run))));
-                    }
-                }
-                Contact::Wall(_) => figures.push(("path.png", Box::new(|| signals::position(run)))),
-            }
-            figures.push(("deviation.png", Box::new(|| contact::deviation(run))));
-            figures.push(("contact_force.png", Box::new(|| contact::force(run))));
-        }
+    }
+    if run.task.contact.is_some() {
+        figures.push(Drawing::new("deviation", || contact::deviation(run)));
+        figures.push(Drawing::new("contact_force", || contact::force(run)));
     }
     figures
 }
 
-/// File names of the figures of `run`, in their order.
-pub fn names(run: &Run) -> Vec<&'static str> {
-    figures(run).into_iter().map(|(name, _)| name).collect()
+/// Whether disturbances are to be shown: they are all the force there is, or come on top of a contact.
+fn is_disturbed(run: &Run) -> bool {
+    run.task.contact.is_none() || !run.task.disturbance.is_empty()
 }
 
-/// Draws the figures of `run` into `folder`, and returns their file names in order.
+/// Whether the tool moves in a plane that can be shown as it is.
+fn is_plane(run: &Run) -> bool {
+    let axes = &run.task.axis;
+    axes.len() == 2 && axes.iter().all(|axis| axis.unit == Unit::M)
+}
+
+/// Draws `figures` of `subject` into `folder`, and returns their file names in order.
 ///
 /// # Errors
 /// [`Failure::Work`] that names the file; a figure is under its own name whole or not at all.
-pub fn draw(run: &Run, folder: &Path) -> Result<Vec<String>, Failure> {
-    draw_all(figures(run), &run.task.name, folder)
-}
-
-fn draw_all(figures: Vec<(&str, Kind<'_>)>, subject: &str, folder: &Path) -> Result<Vec<String>, Failure> {
+pub fn draw(figures: &[Drawing<'_>], subject: &str, format: Format, folder: &Path) -> Result<Vec<String>, Failure> {
     fs::create_dir_all(folder).map_err(while_writing(folder))?;
-    let draw = |(name, figure): (&str, Kind<'_>)| {
-        let path = folder.join(name);
+    let draw = |drawing: &Drawing<'_>| {
+        let name = format!("{}.{}", drawing.name, format.extension());
+        let path = folder.join(&name);
         // The encoder goes by the ending of the name, so the temporary one keeps it.
-        let temporary = path.with_extension("partial.png");
-        let drawn = canvas::draw(figure(), subject, &temporary).map_err(while_writing(&path));
+        let temporary = path.with_extension(format!("partial.{}", format.extension()));
+        let drawn = canvas::draw((drawing.make)(), subject, format, &temporary).map_err(while_writing(&path));
         drawn.and_then(|()| fs::rename(&temporary, &path).map_err(while_writing(&path))).inspect_err(|_| {
             // The error to report is the first one; a leftover is removed as far as possible.
             let _ = fs::remove_file(&temporary);
         })?;
-        Ok(name.to_owned())
+        Ok(name)
     };
-    figures.into_par_iter().map(draw).collect()
+    figures.par_iter().map(draw).collect()
 }
 
 /// Draws the figures of `run` into `plots/` of its run directory.
@@ -107,7 +125,7 @@ fn draw_all(figures: Vec<(&str, Kind<'_>)>, subject: &str, folder: &Path) -> Res
 /// # Errors
 /// As [`draw`].
 pub fn draw_into(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
-    for name in draw(run, &folder.path("plots"))? {
+    for name in draw(&figures(run), &run.task.name, Format::Png, &folder.path("plots"))? {
         folder.written(&format!("plots/{name}"));
     }
     Ok(())
@@ -122,8 +140,8 @@ pub fn draw_demonstrations(
     demonstrations: &[Vec<Vec<f64>>],
     folder: &mut Unfinished,
 ) -> Result<(), Failure> {
-    let figure: Kind<'_> = Box::new(|| demonstration::positions(run, demonstrations));
-    for name in draw_all(vec![("demonstration.png", figure)], &run.task.name, &folder.path("plots"))? {
+    let drawing = Drawing::new("demonstration", || demonstration::positions(run, demonstrations));
+    for name in draw(&[drawing], &run.task.name, Format::Png, &folder.path("plots"))? {
         folder.written(&format!("plots/{name}"));
     }
     Ok(())

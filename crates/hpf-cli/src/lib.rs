@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod cli;
 mod commands;
 mod comparison;
@@ -10,16 +11,25 @@ mod export;
 mod failure;
 mod figure;
 mod files;
+mod interrupt;
+mod learning;
 mod log;
 mod overrides;
 mod packed;
+mod process;
 mod progress;
 pub mod readers;
 mod render;
 mod report;
+mod reproduce;
 mod results;
+mod side_by_side;
+mod start;
+mod statistics;
 mod style;
 mod summary;
+mod sweep;
+mod trial;
 
 use std::io::{Write as _, stderr};
 use std::process::ExitCode;

@@ -13,7 +13,7 @@ use crate::render::number;
 const INTERVAL: Duration = Duration::from_secs(2);
 
 /// Writes a line to stderr; where that is full or closed, work goes on.
-fn tell(line: &str) {
+pub fn tell(line: &str) {
     let _ = writeln!(stderr(), "{line}");
 }
 
@@ -65,6 +65,74 @@ impl Meter {
                 let is_last = progress.update == *updates;
                 if progress.update == 0 || is_last || last.elapsed() >= INTERVAL {
                     tell(&format!("update {}/{updates}: cost {}", progress.update, number(progress.total)));
+                    *last = Instant::now();
+                }
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// How many of some runs are done.
+pub enum Tally {
+    /// Nothing is shown.
+    Quiet,
+    /// A bar.
+    Bar(ProgressBar),
+    /// Lines.
+    Lines {
+        /// All runs.
+        all: usize,
+        /// Runs done.
+        done: usize,
+        /// When the last line was written.
+        last: Instant,
+    },
+}
+
+impl Tally {
+    /// A tally of `all` runs of `name`, of which `done` are done already.
+    pub fn new(name: &str, all: usize, done: usize, quiet: bool) -> Self {
+        if quiet {
+            return Self::Quiet;
+        }
+        if !stderr().is_terminal() {
+            return Self::Lines { all, done, last: Instant::now() };
+        }
+        let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::stderr());
+        let template = "{prefix} [{bar:30}] {pos}/{len} runs, {elapsed} gone, {eta} left";
+        let style = ProgressStyle::with_template(template).expect("the template is valid");
+        let bar = bar.with_style(style).with_prefix(name.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar.set_position(done as u64);
+        bar.reset_eta();
+        Self::Bar(bar)
+    }
+
+    /// Counts the run `name`, and says why it failed, if it did.
+    pub fn count(&mut self, name: impl core::fmt::Display, failure: Option<&str>) {
+        let complaint = failure.map(|why| format!("{name} failed: {why}"));
+        match self {
+            Self::Quiet => {}
+            Self::Bar(bar) => {
+                bar.inc(1);
+                if let Some(complaint) = complaint {
+                    bar.println(complaint);
+                }
+            }
+            Self::Lines { all, done, last } => {
+                *done += 1;
+                if let Some(complaint) = complaint {
+                    tell(&complaint);
+                }
+                if done == all || last.elapsed() >= INTERVAL {
+                    tell(&format!("{done}/{all} runs"));
                     *last = Instant::now();
                 }
             }

@@ -4,14 +4,14 @@ use core::fmt::Write as _;
 
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
-use hpf_sim::task::{Task, Unit};
+use hpf_sim::task::{Environment, Task, Unit};
 use hpf_sim::{Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
 
 use crate::summary::Summary;
 
 /// The deviation that the paper claims for its cantilever [m].
-const PAPER_DEVIATION: f64 = 0.15e-3;
+pub const PAPER_DEVIATION: f64 = 0.15e-3;
 
 /// The deviation that the paper claims for `task` [m], if it is on the paper's curve.
 pub fn paper_deviation(task: &Task) -> Option<f64> {
@@ -136,13 +136,16 @@ pub fn json(summary: &Summary, folder: Option<&str>, files: &[String]) -> String
 }
 
 /// What a task comes to.
-pub fn task(task: &Task, parameters: usize, initial_cost: f64) -> String {
+pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String {
     let mut text = format!("{}: a valid task\n", task.name);
     let steps = task.steps();
     let _ = writeln!(text, "  motion      {} s at {} Hz, {steps} steps", task.duration, task.rate);
     for axis in &task.axis {
         let unit = if axis.unit == Unit::M { "m" } else { "rad" };
         let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
+    }
+    if let Some(Environment::Process(process)) = &task.environment {
+        let _ = writeln!(text, "  process     {} of `{}`", process.workers, process.command.join(" "));
     }
     for disturbance in &task.disturbance {
         let _ = writeln!(text, "  force       {} on {}", disturbance.kind(), disturbance.axis());
@@ -163,7 +166,9 @@ pub fn task(task: &Task, parameters: usize, initial_cost: f64) -> String {
     );
     let threads = rayon::current_num_threads();
     let _ = writeln!(text, "  memory      at most {} MB on {threads} threads", number(task.memory(threads) / 1e6));
-    let _ = writeln!(text, "  cost        {} before learning", number(initial_cost));
+    if let Some(cost) = initial_cost {
+        let _ = writeln!(text, "  cost        {} before learning", number(cost));
+    }
     text
 }
 

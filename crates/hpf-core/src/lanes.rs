@@ -144,6 +144,10 @@ impl<const N: usize> Real for Lanes<N> {
         Self(out)
     }
     #[inline(always)]
+    fn choose_below(self, bound: Self, below: impl FnOnce() -> Self, otherwise: impl FnOnce() -> Self) -> Self {
+        self.select_below(bound, below(), otherwise())
+    }
+    #[inline(always)]
     fn is_finite(self) -> bool {
         self.0.iter().fold(true, |all, value| all & value.is_finite())
     }

@@ -1,8 +1,11 @@
-//! The loop around a learner: ask, roll out in parallel, tell, look at what was learned, keep the best.
+//! The loop around a session: roll out in parallel what it asks for, tell it, show what was learned.
 
-use crate::rollouts::roll_out;
+use rayon::prelude::*;
+
+use crate::rollouts::Crew;
+use crate::session::{Session, Told};
 use crate::{
-    AutoOptions, Cost, Draws, GaussNewtonOptions, Note, Parameters, Pi2, Pi2Error, Pi2Options, Problem, Settled, auto,
+    AutoOptions, CmaEsOptions, Cost, GaussNewtonOptions, Note, Parameters, Pi2Error, Pi2Options, Problem, Settled,
 };
 
 /// A way to learn.
@@ -14,28 +17,29 @@ pub enum Method {
     GaussNewton(GaussNewtonOptions),
     /// Signals where there are any, else costs; nothing to set.
     Auto(AutoOptions),
+    /// Evolution by covariance matrix adaptation, on total costs.
+    CmaEs(CmaEsOptions),
 }
 
-/// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
-///
-/// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts`
-/// motions are made. Every motion counts, and with [`Method::GaussNewton`] and [`Method::Auto`] every motion without
-/// step-wise noise is an evaluation: the best is the cheapest of them.
-///
-/// # Errors
-/// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
-/// rollout of an update of PI2 costs no finite amount.
-pub fn learn_with<P: Problem>(
-    problem: &P,
-    weights: Vec<f64>,
-    method: &Method,
-    max_rollouts: Option<usize>,
-    observe: impl FnMut(&Progress) -> bool,
-) -> Result<History, LearnError> {
-    match *method {
-        Method::Pi2(options) => learn(problem, weights, options, max_rollouts, observe),
-        Method::GaussNewton(options) => auto::learn_signals(problem, weights, options, max_rollouts, observe),
-        Method::Auto(options) => auto::learn_auto(problem, weights, options, max_rollouts, observe),
+impl Method {
+    /// Updates made at most.
+    pub fn updates(&self) -> usize {
+        match self {
+            Self::Pi2(options) => options.updates,
+            Self::GaussNewton(options) => options.updates,
+            Self::Auto(options) => options.updates,
+            Self::CmaEs(options) => options.updates,
+        }
+    }
+
+    /// Rollouts made at a time.
+    pub fn rollouts(&self) -> usize {
+        match self {
+            Self::Pi2(options) => options.rollouts,
+            Self::GaussNewton(options) => options.rollouts,
+            Self::Auto(options) => options.rollouts,
+            Self::CmaEs(options) => options.rollouts,
+        }
     }
 }
 
@@ -63,7 +67,7 @@ pub enum Stop {
     Updates,
     /// The next batch would have passed the rollouts allowed.
     Rollouts,
-    /// The observer asked for it.
+    /// It was asked for.
     Asked,
     /// The method found nothing more to do.
     Settled(Settled),
@@ -95,8 +99,14 @@ pub enum LearnError {
     #[error("the starting policy has no finite cost")]
     BadStart,
     /// The method learns from signals, and the problem measures none.
-    #[error("the problem measures no signals: learn it from its cost, with auto or pi2")]
+    #[error("the problem measures no signals: learn it from its cost, with auto, pi2 or cma-es")]
     NoSignals,
+    /// Elites keep what they cost, and the problem's costs are random.
+    #[error("elites keep what they cost under other draws: leave `elites` at 0 where costs are random")]
+    RandomElites,
+    /// A [`Record`](crate::Record) that this problem and method cannot have led to.
+    #[error("what was recorded does not belong to this problem and method")]
+    WrongRecord,
     /// An update could not be made; what was learned before it is in `history`.
     #[error("{reason}")]
     Update {
@@ -107,78 +117,100 @@ pub enum LearnError {
     },
 }
 
-/// Learns `problem` from `weights` with PI2 on the current rayon pool: the same numbers for any number of threads.
+/// Makes the motions that a session asks for on the current rayon pool: the same numbers for any number of threads.
+pub struct Driver<'p, P: Problem> {
+    problem: &'p P,
+    workspace: P::Workspace,
+    crew: Crew<P>,
+    costs: Vec<Cost>,
+    signals: Vec<Vec<f64>>,
+}
+
+impl<'p, P: Problem> Driver<'p, P> {
+    /// For sessions of `problem`; its memory is reused from batch to batch.
+    pub fn new(problem: &'p P) -> Self {
+        Self { problem, workspace: problem.workspace(), crew: Crew::new(), costs: Vec::new(), signals: Vec::new() }
+    }
+
+    /// Makes the motions asked for next and tells them; `None` where learning is over.
+    ///
+    /// # Errors
+    /// As for [`Session::tell`].
+    pub fn step(&mut self, session: &mut Session) -> Result<Option<Told>, LearnError> {
+        let Some(ask) = session.ask() else { return Ok(None) };
+        let count = ask.samples.len();
+        self.costs.resize_with(count.max(self.costs.len()), Cost::default);
+        self.signals.resize_with(count.max(self.signals.len()), Vec::new);
+        let (costs, signals) = (&mut self.costs[..count], &mut self.signals[..count]);
+        if ask.wants_signals {
+            costs.par_iter_mut().zip(&mut *signals).zip(&ask.samples).for_each_init(
+                || self.problem.workspace(),
+                |workspace, ((cost, signals), sample)| {
+                    self.problem.measure(ask.draws, *sample, workspace, cost, signals);
+                },
+            );
+        } else if let [sample] = ask.samples[..] {
+            self.problem.rollout(ask.draws, sample, &mut self.workspace, &mut costs[0]);
+        } else {
+            self.crew.roll_out(self.problem, ask.draws, &ask.samples, costs);
+        }
+        session.tell(costs, signals).map(Some)
+    }
+
+    /// Goes on to the next evaluation; `None` where learning is over.
+    ///
+    /// # Errors
+    /// As for [`Session::tell`].
+    pub fn advance(&mut self, session: &mut Session) -> Result<Option<Progress>, LearnError> {
+        while let Some(told) = self.step(session)? {
+            if told.progress.is_some() {
+                return Ok(told.progress);
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
 ///
-/// `observe` sees the start and every update, in order; it returns whether to go on. Learning stops before a batch
-/// and its evaluation would pass `max_rollouts` motions.
+/// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts`
+/// motions are made; every motion counts.
 ///
 /// # Errors
-/// [`LearnError`] where the start costs no finite amount, or every rollout of an update does.
+/// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
+/// rollout of an update costs no finite amount.
+pub fn learn_with<P: Problem>(
+    problem: &P,
+    weights: Vec<f64>,
+    method: &Method,
+    max_rollouts: Option<usize>,
+    mut observe: impl FnMut(&Progress) -> bool,
+) -> Result<History, LearnError> {
+    let mut session = Session::begin(problem, weights, method, max_rollouts)?;
+    let mut driver = Driver::new(problem);
+    while let Some(progress) = driver.advance(&mut session)? {
+        if !observe(&progress) {
+            break;
+        }
+    }
+    Ok(session.history())
+}
+
+/// [`learn_with`] PI2.
+///
+/// # Errors
+/// As for [`learn_with`].
 pub fn learn<P: Problem>(
     problem: &P,
     weights: Vec<f64>,
     options: Pi2Options,
     max_rollouts: Option<usize>,
-    mut observe: impl FnMut(&Progress) -> bool,
+    observe: impl FnMut(&Progress) -> bool,
 ) -> Result<History, LearnError> {
-    let mut learner = Pi2::new(problem.blocks(), problem.steps(), weights, options);
-    let mut workspace = problem.workspace();
-    let mut evaluate = |learner: &Pi2, rollouts: usize, exploration: f64| {
-        let mut cost = Cost::default();
-        problem.rollout(Draws::HeldOut, Parameters::Constant(learner.weights()), &mut workspace, &mut cost);
-        Progress {
-            update: learner.update(),
-            rollouts,
-            total: cost.total(),
-            terms: cost.terms,
-            exploration,
-            weights: learner.weights().to_vec(),
-        }
-    };
+    learn_with(problem, weights, &Method::Pi2(options), max_rollouts, observe)
+}
 
-    let initial = evaluate(&learner, 1, learner.exploration());
-    if !initial.total.is_finite() {
-        return Err(LearnError::BadStart);
-    }
-    let mut history = History {
-        best: initial.clone(),
-        initial,
-        updates: 0,
-        rollouts: 1,
-        rejected: 0,
-        stop: Stop::Updates,
-        notes: vec![],
-    };
-    let mut go_on = observe(&history.initial);
-    let mut costs = vec![Cost::default(); options.rollouts];
-    for _ in 0..options.updates {
-        if !go_on {
-            history.stop = Stop::Asked;
-            break;
-        }
-        if max_rollouts.is_some_and(|max| history.rollouts + options.rollouts + 1 > max) {
-            history.stop = Stop::Rollouts;
-            break;
-        }
-        let exploration = learner.exploration();
-        let batch = learner.ask();
-        let samples: Vec<Parameters<'_>> = (0..batch.len()).map(|k| batch.sample(k)).collect();
-        roll_out(problem, Draws::Update(learner.update()), &samples, &mut costs);
-        match learner.tell(&batch, &costs) {
-            Ok(rejected) => history.rejected += rejected,
-            Err(reason) => {
-                history.rollouts += options.rollouts;
-                history.rejected += options.rollouts;
-                return Err(LearnError::Update { reason, history: Box::new(history) });
-            }
-        }
-        history.updates += 1;
-        history.rollouts += options.rollouts + 1;
-        let progress = evaluate(&learner, history.rollouts, exploration);
-        go_on = observe(&progress);
-        if progress.total < history.best.total {
-            history.best = progress;
-        }
-    }
-    Ok(history)
+/// The parameters of one motion each.
+pub(crate) fn constant(samples: &[Vec<f64>]) -> Vec<Parameters<'_>> {
+    samples.iter().map(|sample| Parameters::Constant(sample)).collect()
 }

@@ -212,6 +212,11 @@ impl GaussNewton {
         self.sample(|_, group| group.scales())
     }
 
+    /// Number of signals of a sample.
+    pub(crate) fn signals(&self) -> usize {
+        self.groups.last().map_or(0, |group| group.signals.end)
+    }
+
     /// Rounds of trials made.
     pub fn update(&self) -> usize {
         self.update

@@ -15,12 +15,16 @@
 //! Sources: Theodorou, Buchli, Schaal, JMLR 11:3137, 2010; the paper's Section 4 (doi 10.3390/s24123964), which
 //! prints the full sum for S (`Credit::Total`) and exp(-S/lambda) with lambda unstated (`Temperature::Lambda`).
 
+mod update;
+
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
+use rayon::prelude::*;
 
 use crate::noise::stream;
-use crate::weighting::softmax;
+use crate::weighting::{Costs, LANES, packs, softmax};
 use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, Temperature};
+use update::{Bases, Inputs, Rooms};
 
 /// Which cost a step answers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +54,8 @@ pub struct Pi2Options {
     pub covariance: Covariance,
     /// Whether a step moves the weights along its basis vector only (M_t), or as the rollouts went.
     pub is_projected: bool,
+    /// The cheapest rollouts so far that take part in the next update again; needs costs that are not random.
+    pub elites: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -66,6 +72,7 @@ impl Default for Pi2Options {
             anneal: Anneal::Linear { last: 0.1 },
             covariance: Covariance::Fixed,
             is_projected: true,
+            elites: 0,
             seed: 1,
         }
     }
@@ -103,7 +110,7 @@ pub enum Pi2Error {
 }
 
 /// The samples of one update: K sets of parameters, or K x N where exploration is drawn at every step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
     count: usize,
     rows: usize,
@@ -113,7 +120,7 @@ pub struct Batch {
 impl Batch {
     /// Number of samples, K.
     pub fn len(&self) -> usize {
-        self.samples.len() / (self.rows * self.count)
+        self.samples.len().checked_div(self.rows * self.count).unwrap_or(0)
     }
 
     /// Whether there are none.
@@ -121,13 +128,26 @@ impl Batch {
         self.samples.is_empty()
     }
 
+    /// All numbers of rollout `k`.
+    pub(crate) fn rows(&self, k: usize) -> &[f64] {
+        let length = self.rows * self.count;
+        &self.samples[k * length..(k + 1) * length]
+    }
+
+    /// Adds a sample of the same kind.
+    pub(crate) fn push(&mut self, rows: &[f64]) {
+        self.samples.extend(rows);
+    }
+
     /// The parameters of rollout `k`.
     pub fn sample(&self, k: usize) -> Parameters<'_> {
-        let length = self.rows * self.count;
-        let rows = &self.samples[k * length..(k + 1) * length];
+        let rows = self.rows(k);
         if self.rows == 1 { Parameters::Constant(rows) } else { Parameters::PerStep { rows, count: self.count } }
     }
 }
+
+/// Random numbers of a batch from which on threads share in drawing them.
+const DRAWN_IN_PARALLEL: usize = 2000;
 
 /// The learner: parameters, and what an update needs of the basis.
 #[derive(Clone, Debug)]
@@ -135,10 +155,13 @@ pub struct Pi2 {
     options: Pi2Options,
     steps: usize,
     blocks: Vec<BlockState>,
+    bases: Bases,
     weights: Vec<f64>,
     /// Standard deviation of each parameter's exploration before annealing, as a fraction of its block's noise.
     spread: Vec<f64>,
     update: usize,
+    rooms: Rooms,
+    instructions: pulp::Arch,
 }
 
 #[derive(Clone, Debug)]
@@ -148,60 +171,42 @@ struct BlockState {
     min: f64,
     max: f64,
     noise: f64,
-    features: Vec<f64>,
-    /// `1/(phi_t^T phi_t)` per step.
-    inverse_norm: Vec<f64>,
-    /// `(N-t) psi_{t,j} phi_{t,j} / sum_t (N-t) psi_{t,j}`, without phi_{t,j} where nothing is projected: steps x n.
-    averaging: Vec<f64>,
+    /// The function that is most active at each step.
+    most_active: Vec<usize>,
 }
 
 impl BlockState {
-    fn new(block: &Block, start: usize, steps: usize, is_projected: bool) -> Self {
-        let n = block.count;
-        let rows = |table: &[f64]| -> Vec<f64> { table[..steps * n].to_vec() };
-        let features = rows(&block.features);
-        let inverse_norm = features.chunks_exact(n).map(|row| 1.0 / row.iter().map(|x| x * x).sum::<f64>()).collect();
-        let mut averaging = rows(&block.activations);
-        let mut sums = vec![0.0; n];
-        for (t, row) in averaging.chunks_exact_mut(n).enumerate() {
-            for (psi, sum) in row.iter_mut().zip(&mut sums) {
-                *psi *= (steps - t) as f64;
-                *sum += *psi;
-            }
-        }
-        for (row, phi) in averaging.chunks_exact_mut(n).zip(features.chunks_exact(n)) {
-            for ((a, sum), phi) in row.iter_mut().zip(&sums).zip(phi) {
-                // A function too narrow to be seen at any step has nothing to learn from.
-                let phi = if is_projected { *phi } else { 1.0 };
-                *a = if *sum > 0.0 { *a * phi / sum } else { 0.0 };
-            }
-        }
-        Self { start, count: n, min: block.min, max: block.max, noise: block.noise, features, inverse_norm, averaging }
-    }
-}
-
-impl BlockState {
-    /// The basis function that is most active at step `t`.
-    fn most_active(&self, t: usize) -> usize {
-        let phi = &self.features[t * self.count..(t + 1) * self.count];
-        (0..self.count).fold(0, |most, j| if phi[j] > phi[most] { j } else { most })
+    fn new(block: &Block, start: usize, steps: usize) -> Self {
+        let most = |phi: &[f64]| (0..phi.len()).fold(0, |most, j| if phi[j] > phi[most] { j } else { most });
+        let most_active = block.features.chunks_exact(block.count).take(steps).map(most).collect();
+        Self { start, count: block.count, min: block.min, max: block.max, noise: block.noise, most_active }
     }
 }
 
 impl Pi2 {
     /// A learner that starts from `weights`, all blocks one after the other, each row of the blocks' tables a step.
     pub fn new(blocks: &[Block], steps: usize, weights: Vec<f64>, options: Pi2Options) -> Self {
+        let bases = Bases::new(blocks, steps, options.is_projected);
         let mut start = 0;
         let blocks = blocks
             .iter()
             .map(|block| {
-                let state = BlockState::new(block, start, steps, options.is_projected);
+                let state = BlockState::new(block, start, steps);
                 start += block.count;
                 state
             })
             .collect();
         let spread = vec![1.0; weights.len()];
-        Self { options, steps, blocks, weights, spread, update: 0 }
+        let (rooms, instructions) = (Rooms::default(), pulp::Arch::new());
+        Self { options, steps, blocks, bases, weights, spread, update: 0, rooms, instructions }
+    }
+
+    /// The same learner in the instructions that every processor has, for comparison: it is slower, and every number is
+    /// the same.
+    #[must_use]
+    pub fn portable(mut self) -> Self {
+        self.instructions = pulp::Arch::Scalar;
+        self
     }
 
     /// The parameters as learned so far.
@@ -222,6 +227,13 @@ impl Pi2 {
         self
     }
 
+    /// Takes the place of a learner that had made `update` updates.
+    pub(crate) fn restore(&mut self, update: usize, weights: &[f64], spread: &[f64]) {
+        self.update = update;
+        self.weights.copy_from_slice(weights);
+        self.spread.copy_from_slice(spread);
+    }
+
     /// Updates made so far.
     pub fn update(&self) -> usize {
         self.update
@@ -234,38 +246,56 @@ impl Pi2 {
 
     /// The samples of the next update. The same for the same seed and update, however often asked.
     pub fn ask(&self) -> Batch {
-        let count = self.weights.len();
-        let rows = match self.options.exploration {
+        let mut batch = Batch::default();
+        self.ask_into(&mut batch);
+        batch
+    }
+
+    /// Writes what [`Pi2::ask`] returns into `batch`, in the room that it has.
+    pub fn ask_into(&self, batch: &mut Batch) {
+        batch.count = self.weights.len();
+        batch.rows = match self.options.exploration {
             Exploration::Rollout => 1,
             Exploration::Step | Exploration::Basis => self.steps,
         };
-        let draws = if self.options.exploration == Exploration::Step { self.steps } else { 1 };
-        let scale = self.exploration();
-        let mut samples = Vec::with_capacity(self.options.rollouts * rows * count);
-        for k in 0..self.options.rollouts {
-            let mut generator = stream(self.options.seed, self.update, k);
-            let first = samples.len();
-            for _ in 0..draws {
-                for block in &self.blocks {
-                    let own = block.start..block.start + block.count;
-                    for (weight, spread) in self.weights[own.clone()].iter().zip(&self.spread[own]) {
-                        let normal: f64 = generator.sample(StandardNormal);
-                        samples.push((weight + scale * block.noise * spread * normal).clamp(block.min, block.max));
-                    }
-                }
-            }
-            if self.options.exploration == Exploration::Basis {
-                let drawn = samples.split_off(first);
-                for t in 0..rows {
-                    samples.extend(&self.weights);
-                    let row = samples.len() - count;
-                    for place in self.blocks.iter().map(|block| block.start + block.most_active(t)) {
-                        samples[row + place] = drawn[place];
-                    }
+        let length = batch.rows * batch.count;
+        batch.samples.resize(self.options.rollouts * length, 0.0);
+        let is_parallel = rayon::current_num_threads() > 1 && batch.samples.len() >= DRAWN_IN_PARALLEL;
+        if is_parallel {
+            let samples = batch.samples.par_chunks_exact_mut(length).enumerate();
+            samples.with_min_len(LANES).for_each(|(k, sample)| self.draw(k, sample));
+        } else {
+            batch.samples.chunks_exact_mut(length).enumerate().for_each(|(k, sample)| self.draw(k, sample));
+        }
+    }
+
+    /// Draws the parameters of rollout `k`.
+    fn draw(&self, k: usize, sample: &mut [f64]) {
+        let (count, scale) = (self.weights.len(), self.exploration());
+        let mut generator = stream(self.options.seed, self.update, k);
+        let drawn_rows = if self.options.exploration == Exploration::Step { self.steps } else { 1 };
+        for row in sample.chunks_exact_mut(count).take(drawn_rows) {
+            for block in &self.blocks {
+                let own = block.start..block.start + block.count;
+                let centers = self.weights[own.clone()].iter().zip(&self.spread[own.clone()]);
+                for (slot, (weight, spread)) in row[own].iter_mut().zip(centers) {
+                    let normal: f64 = generator.sample(StandardNormal);
+                    *slot = (weight + scale * block.noise * spread * normal).clamp(block.min, block.max);
                 }
             }
         }
-        Batch { count, rows, samples }
+        if self.options.exploration == Exploration::Basis {
+            let (first, rest) = sample.split_at_mut(count);
+            let places = |t: usize| self.blocks.iter().map(move |block| block.start + block.most_active[t]);
+            for (t, row) in rest.chunks_exact_mut(count).enumerate() {
+                row.copy_from_slice(&self.weights);
+                places(t + 1).for_each(|place| row[place] = first[place]);
+            }
+            for (block, place) in self.blocks.iter().zip(places(0)) {
+                let own = block.start..block.start + block.count;
+                own.filter(|j| *j != place).for_each(|j| first[j] = self.weights[j]);
+            }
+        }
     }
 
     /// Improves the parameters by what the samples of [`Pi2::ask`] cost, one cost per sample in their order.
@@ -274,34 +304,46 @@ impl Pi2 {
     /// # Errors
     /// [`Pi2Error::AllRejected`] where none is left; the parameters stay as they are and the update is not counted.
     pub fn tell(&mut self, batch: &Batch, costs: &[Cost]) -> Result<usize, Pi2Error> {
-        let kept: Vec<usize> = (0..costs.len()).filter(|&k| is_finite(&costs[k])).collect();
-        let rejected = costs.len() - kept.len();
-        if kept.is_empty() {
+        let Pi2Options { temperature, credit, .. } = self.options;
+        let mut rooms = core::mem::take(&mut self.rooms);
+        let inputs = Inputs {
+            bases: &self.bases,
+            steps: self.steps,
+            temperature,
+            credit,
+            weights: &self.weights,
+            batch,
+            instructions: self.instructions,
+        };
+        if !rooms.take(&inputs, costs) {
+            self.rooms = rooms;
             return Err(Pi2Error::AllRejected { update: self.update, rollouts: costs.len() });
         }
-        let probabilities = self.probabilities(costs, &kept);
-        let mut changes = Vec::with_capacity(self.weights.len());
-        for block in &self.blocks {
-            changes.extend(self.change(block, batch, &kept, &probabilities));
-        }
+        let rejected = costs.len() - rooms.kept.len();
+        rooms.improve(&inputs);
         if self.options.covariance != Covariance::Fixed {
-            self.adapt(batch, costs, &kept);
+            self.adapt(batch, costs, &rooms.kept);
         }
-        let mut changes = changes.into_iter();
+        let mut changes = rooms.changes(&self.bases);
         for block in &self.blocks {
             for weight in &mut self.weights[block.start..block.start + block.count] {
                 let change = changes.next().expect("one change per weight");
                 *weight = (*weight + change).clamp(block.min, block.max);
             }
         }
+        drop(changes);
+        self.rooms = rooms;
         self.update += 1;
         Ok(rejected)
     }
 
     /// Lets the spread follow that of the rollouts that weigh.
     fn adapt(&mut self, batch: &Batch, costs: &[Cost], kept: &[usize]) {
-        let mut shares: Vec<f64> = kept.iter().map(|&k| costs[k].total()).collect();
-        softmax(&mut shares, self.options.temperature);
+        let mut shares = vec![[costs[kept[0]].total(); LANES]; packs(kept.len())];
+        for (i, &k) in kept.iter().enumerate() {
+            shares[i / LANES][i % LANES] = costs[k].total();
+        }
+        softmax(&mut Costs { packs: &mut shares, count: kept.len() }, self.options.temperature, &mut Vec::new());
         let scale = self.exploration();
         for block in &self.blocks {
             for j in block.start..block.start + block.count {
@@ -314,73 +356,11 @@ impl Pi2 {
                     if steps > 0.0 { sum / (steps * unit * unit) } else { 0.0 }
                 };
                 if unit > 0.0 {
-                    let weighted = kept.iter().zip(&shares).map(|(&k, share)| share * mean_square(k)).sum();
+                    let weighted =
+                        kept.iter().zip(shares.as_flattened()).map(|(&k, share)| share * mean_square(k)).sum();
                     self.spread[j] = self.options.covariance.next(self.spread[j], weighted);
                 }
             }
         }
     }
-
-    /// P_{t,k}: steps x kept rollouts.
-    fn probabilities(&self, costs: &[Cost], kept: &[usize]) -> Vec<f64> {
-        let width = kept.len();
-        let mut table = vec![0.0; self.steps * width];
-        for (column, &k) in kept.iter().enumerate() {
-            let mut to_go = costs[k].terminal;
-            for t in (0..self.steps).rev() {
-                to_go += costs[k].running[t];
-                table[t * width + column] = to_go;
-            }
-            if self.options.credit == Credit::Total {
-                (0..self.steps).for_each(|t| table[t * width + column] = to_go);
-            }
-        }
-        for row in table.chunks_exact_mut(width) {
-            softmax(row, self.options.temperature);
-        }
-        table
-    }
-
-    /// The change of one block's weights.
-    fn change(&self, block: &BlockState, batch: &Batch, kept: &[usize], probabilities: &[f64]) -> Vec<f64> {
-        let weights = &self.weights[block.start..block.start + block.count];
-        let mut change = vec![0.0; block.count];
-        if !self.options.is_projected {
-            for t in 0..self.steps {
-                let averaging = &block.averaging[t * block.count..(t + 1) * block.count];
-                for (column, &k) in kept.iter().enumerate() {
-                    let share = probabilities[t * kept.len() + column];
-                    let sample = &batch.sample(k).at(t)[block.start..block.start + block.count];
-                    for (((change, a), sample), w) in change.iter_mut().zip(averaging).zip(sample).zip(weights) {
-                        *change += a * share * (sample - w);
-                    }
-                }
-            }
-            return change;
-        }
-        for t in 0..self.steps {
-            let phi = &block.features[t * block.count..(t + 1) * block.count];
-            let mut along = 0.0;
-            for (column, &k) in kept.iter().enumerate() {
-                let sample = &batch.sample(k).at(t)[block.start..block.start + block.count];
-                let projected: f64 = phi.iter().zip(sample).zip(weights).map(|((phi, s), w)| phi * (s - w)).sum();
-                along += probabilities[t * kept.len() + column] * projected;
-            }
-            along *= block.inverse_norm[t];
-            let averaging = &block.averaging[t * block.count..(t + 1) * block.count];
-            for (change, a) in change.iter_mut().zip(averaging) {
-                *change += a * along;
-            }
-        }
-        change
-    }
-}
-
-/// Whether the cost to go of every step is finite: the sums that the weights are made of.
-fn is_finite(cost: &Cost) -> bool {
-    let mut to_go = cost.terminal;
-    cost.running.iter().rev().all(|cost| {
-        to_go += cost;
-        to_go.is_finite()
-    }) && to_go.is_finite()
 }

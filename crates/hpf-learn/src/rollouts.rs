@@ -4,11 +4,30 @@ use rayon::prelude::*;
 
 use crate::{Cost, Draws, Parameters, Problem};
 
-/// Makes a rollout of each of `parameters` on the current rayon pool, and writes what it cost.
-pub(crate) fn roll_out<P: Problem>(problem: &P, draws: Draws, parameters: &[Parameters<'_>], costs: &mut [Cost]) {
-    let together = problem.together().max(1);
-    costs.par_chunks_mut(together).zip(parameters.par_chunks(together)).for_each_init(
-        || problem.workspace(),
-        |workspace, (costs, parameters)| problem.rollouts(draws, parameters, workspace, costs),
-    );
+/// Makes rollouts, again and again in the same workspaces.
+pub(crate) struct Crew<P: Problem> {
+    workspaces: Vec<P::Workspace>,
+}
+
+impl<P: Problem> Crew<P> {
+    pub(crate) fn new() -> Self {
+        Self { workspaces: Vec::new() }
+    }
+
+    /// Makes a rollout of each of `samples` on the current rayon pool, and writes what it cost.
+    pub(crate) fn roll_out(&mut self, problem: &P, draws: Draws, samples: &[Parameters<'_>], costs: &mut [Cost]) {
+        let together = problem.together().max(1);
+        let groups = costs.len().div_ceil(together);
+        if self.workspaces.len() < groups {
+            self.workspaces.resize_with(groups, || problem.workspace());
+        }
+        let workspaces = &mut self.workspaces[..groups];
+        if groups > 1 && rayon::current_num_threads() > 1 {
+            let groups = costs.par_chunks_mut(together).zip(samples.par_chunks(together)).zip(workspaces);
+            groups.for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));
+        } else {
+            let groups = costs.chunks_mut(together).zip(samples.chunks(together)).zip(workspaces);
+            groups.for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));
+        }
+    }
 }

@@ -3,8 +3,8 @@
 use core::slice;
 
 use hpf_learn::{
-    Anneal, AutoOptions, Block, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters,
-    Pi2Options, Problem, SignalModel, Temperature, fit,
+    Anneal, AutoOptions, Block, CmaEsOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method,
+    Parameters, Pi2Options, Problem, SignalModel, Temperature, fit,
 };
 
 use crate::environment::cantilever::minimum_jerk;
@@ -73,6 +73,9 @@ impl Learning {
             task::Method::Auto => {
                 Method::Auto(AutoOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
             }
+            task::Method::CmaEs => {
+                Method::CmaEs(CmaEsOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
+            }
         }
     }
 
@@ -114,6 +117,7 @@ impl Learning {
                 None => preset.covariance,
             },
             is_projected: self.projection.unwrap_or(preset.is_projected),
+            elites: self.elites,
             seed: self.seed,
         }
     }

@@ -65,6 +65,9 @@ pub enum SimulationError {
         /// Parameters of the policy.
         parameters: usize,
     },
+    /// The task is another program's to run.
+    #[error("the environment of this task is a process, which only `hpf learn` talks to: there is nothing to simulate")]
+    Process,
     /// The policy takes another time.
     #[error("the policy takes {policy} s, the task {task} s")]
     Duration {
@@ -114,6 +117,9 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`] where policy and task do not belong together.
     pub fn new(task: &Task, policy: &Policy) -> Result<Self, SimulationError> {
+        if task.environment.is_some() {
+            return Err(SimulationError::Process);
+        }
         let names = |names: Vec<&str>| names.join(", ");
         let policy_names: Vec<&str> = policy.axes.iter().map(|axis| axis.name.as_str()).collect();
         let task_names: Vec<&str> = task.axis.iter().map(|axis| axis.name.as_str()).collect();

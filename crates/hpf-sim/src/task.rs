@@ -7,6 +7,7 @@
 mod basis;
 mod keys;
 mod learning;
+mod process;
 mod rules;
 mod sizes;
 
@@ -24,6 +25,8 @@ pub use learning::{
     TemperatureKind,
 };
 pub use sizes::MAX_MEMORY;
+
+pub use process::{Environment, Process};
 
 /// Most axes a task may have.
 pub const MAX_AXES: usize = 7;
@@ -66,6 +69,8 @@ pub struct Task {
     /// Admittance law.
     #[serde(default)]
     pub admittance: Admittance,
+    /// Who makes the rollouts; left out, hpf simulates them.
+    pub environment: Option<Environment>,
     /// Forces on the tool.
     #[serde(default)]
     #[schemars(length(max = 100))]

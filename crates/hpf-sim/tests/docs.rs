@@ -131,10 +131,11 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
     ] {
         page.table(key, &schema["$defs"][name]);
     }
-    for (key, name) in [("[[disturbance]]", "Disturbance"), ("[contact]", "Contact")] {
+    for (key, name) in [("[environment]", "Environment"), ("[[disturbance]]", "Disturbance"), ("[contact]", "Contact")]
+    {
         for member in schema["$defs"][name]["oneOf"].as_array().expect("kinds") {
             let mut merged = page.resolve(member);
-            if merged["properties"]["axis"].is_null() {
+            if merged["properties"].as_object().is_none_or(|keys| keys.len() < 2) {
                 merged = member;
             }
             let kind = member["properties"]["kind"]["const"].as_str().expect("a kind");

@@ -93,7 +93,7 @@ fn one_elsewhere(text: &str, (from, to): (&str, &str), elsewhere: &str, message:
 #[test]
 fn an_unknown_key_names_the_nearest_one() {
     let keys = "the task takes: name, duration, rate, axis, phase, movement, stiffness, damping, admittance, \
-                disturbance, contact, sensor, actuator, via_point, cost, learning, output, accept";
+                environment, disturbance, contact, sensor, actuator, via_point, cost, learning, output, accept";
     let near = "unknown key `duratoin`, did you mean `duration`?";
     one(VIA_POINT, ("duration = 5.0", "duratoin = 5.0"), "duratoin", near, keys);
     one(VIA_POINT, ("[phase]", "[phases]"), "phases", "unknown key `phases`, did you mean `phase`?", keys);
@@ -138,7 +138,7 @@ fn a_value_of_the_wrong_type_says_what_it_is_and_what_it_must_be() {
         ("method = \"pi2\"", "method = 2"),
         "2",
         "`method` cannot be a number",
-        "`method` must be \"pi2\" or \"gauss-newton\" or \"auto\"",
+        "`method` must be \"pi2\" or \"gauss-newton\" or \"auto\" or \"cma-es\"",
     );
 }
 

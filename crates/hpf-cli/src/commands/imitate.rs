@@ -58,7 +58,7 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
         return Err(folder.abandon(failure));
     }
     let files = folder.files().to_vec();
-    folder.finish()?;
+    folder.finish(false)?;
 
     let place = target.display().to_string();
     if common.json {

@@ -61,6 +61,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     let mut files = Vec::new();
     if let Some(target) = &common.out {
         let mut folder = Unfinished::begin(target, common.force)?;
+        folder.ready()?;
         let saved = (|| {
             for table in &tables {
                 folder.write(&table.name, &table.csv)?;
@@ -74,7 +75,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
             return Err(folder.abandon(failure));
         }
         files = folder.files().to_vec();
-        folder.finish()?;
+        folder.finish(false)?;
     }
 
     let place = common.out.as_ref().map(|out| out.display().to_string());

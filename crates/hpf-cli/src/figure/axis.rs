@@ -39,6 +39,8 @@ pub enum Scale {
     Counted,
     /// By their logarithm.
     Logarithmic,
+    /// Things side by side, at 0, 1, 2 and so on, each with its name.
+    Named,
 }
 
 /// An axis: what is on it, and from where to where.
@@ -54,6 +56,8 @@ pub struct Axis {
     pub high: f64,
     /// How values lie between.
     pub scale: Scale,
+    /// What is written at 0, 1, 2 and so on of an axis of named things.
+    pub names: Vec<String>,
 }
 
 /// A tick: where, and its label; the unlabelled ones have an empty label.
@@ -68,7 +72,13 @@ pub struct Tick {
 impl Axis {
     /// An axis in proportion.
     pub fn linear(quantity: impl Into<String>, unit: impl Into<String>, (low, high): (f64, f64)) -> Self {
-        Self { quantity: quantity.into(), unit: unit.into(), low, high, scale: Scale::Linear }
+        Self { quantity: quantity.into(), unit: unit.into(), low, high, scale: Scale::Linear, names: Vec::new() }
+    }
+
+    /// An axis of things side by side.
+    pub fn named(quantity: impl Into<String>, names: Vec<String>) -> Self {
+        let range = (-0.5, names.len().max(1) as f64 - 0.5);
+        Self { names, ..Self::linear(quantity, "", range).with_scale(Scale::Named) }
     }
 
     /// The same axis with another scale.
@@ -81,7 +91,7 @@ impl Axis {
     pub fn share(&self, value: f64) -> f64 {
         let linear = |low: f64, value: f64, high: f64| (value - low) / (high - low);
         match self.scale {
-            Scale::Linear | Scale::Counted => linear(self.low, value, self.high),
+            Scale::Linear | Scale::Counted | Scale::Named => linear(self.low, value, self.high),
             Scale::Reversed => 1.0 - linear(self.low, value, self.high),
             // Nought and less lie endlessly far below: a line to them leaves the box downwards.
             Scale::Logarithmic if value <= 0.0 => -100.0,
@@ -92,7 +102,7 @@ impl Axis {
     /// Power of ten that tick labels leave out, so that they stay short.
     fn exponent(&self) -> i32 {
         let most = self.low.abs().max(self.high.abs());
-        if self.scale == Scale::Logarithmic || most == 0.0 || (1e-3..1e5).contains(&most) {
+        if matches!(self.scale, Scale::Logarithmic | Scale::Named) || most == 0.0 || (1e-3..1e5).contains(&most) {
             return 0;
         }
         3 * (most.log10() / 3.0).floor() as i32
@@ -113,6 +123,10 @@ impl Axis {
     pub fn ticks(&self, count: f64) -> Vec<Tick> {
         match self.scale {
             Scale::Logarithmic => logarithmic_ticks(self.low, self.high, count),
+            Scale::Named => {
+                let tick = |(i, name): (usize, &String)| Tick { value: i as f64, label: name.clone() };
+                self.names.iter().enumerate().map(tick).collect()
+            }
             Scale::Linear | Scale::Reversed | Scale::Counted => {
                 let factor = 10.0_f64.powi(self.exponent());
                 let (low, high) = (self.low / factor, self.high / factor);

@@ -16,13 +16,14 @@ const CLAMP: f64 = 0.035;
 /// Strokes across the clamp.
 const HATCHES: f64 = 16.0;
 
-fn curve(beam: &Cantilever, curve: Curve) -> Vec<Point> {
+/// The curve of `beam` [m, mm].
+pub fn curve(beam: &Cantilever, curve: Curve) -> Vec<Point> {
     let at = |i| beam.length * f64::from(i) / f64::from(POINTS);
     (0..=POINTS).map(|i| (at(i), 1e3 * beam.deflection_of(curve, at(i)))).collect()
 }
 
 /// The panel that beam and paths lie in: along the beam, and downwards what it sinks.
-fn panel(beam: &Cantilever, quantity: &str, deepest: (f64, f64), mut layers: Vec<Layer>) -> Panel {
+pub fn panel(beam: &Cantilever, quantity: &str, deepest: (f64, f64), mut layers: Vec<Layer>) -> Panel {
     let wall = Layer::block((f64::NEG_INFINITY, f64::NEG_INFINITY), (0.0, f64::INFINITY), Pen::thin(SHADE));
     layers.splice(0..0, [wall.labelled("clamp"), hatching(beam, deepest)]);
     Panel {

@@ -6,40 +6,46 @@ use super::axis::Tick;
 use super::chart::{Figure, Layer, Mark, Panel, Point, Shape};
 use super::layout::{CAPITAL, FOOT, LABEL, Layout, MARGIN, SMALL, TICK_GAP, TICK_LENGTH, TITLE};
 use super::palette::{BLACK, FRAME, GRID, Pen, QUIET, WHITE};
-use super::surface::{Anchor, Area, Surface};
-use super::{legend, text};
+use super::surface::{Anchor, Area, Column, Format, Surface};
+use super::{ends, legend, text};
 
-/// Draws `figure` of the task `name` into the file `path`.
+/// How much a band covers what it lies on: two of them still show through each other.
+const BAND_OPACITY: f64 = 0.3;
+
+/// Draws `figure`, which belongs to `subject`, into the file `path`.
 ///
 /// # Errors
 /// What the system or the encoder says.
-pub fn draw(mut figure: Figure, name: &str, path: &Path) -> Result<(), String> {
+pub fn draw(mut figure: Figure, subject: &str, format: Format, path: &Path) -> Result<(), String> {
     let layout = Layout::new(&mut figure);
-    let mut surface = Surface::new(path, layout.size);
+    let mut surface = format.surface(path, layout.size);
+    let canvas = &mut *surface;
     let right = layout.size.0 as f64 - MARGIN;
     let left = layout.boxes[0].left;
 
     let title = text::fit(&figure.title, TITLE, right - left);
     let baseline = MARGIN + CAPITAL * TITLE;
-    surface.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
+    canvas.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
     let room = right - left - text::width(&title, TITLE) - 60.0;
     if room > 100.0 {
-        surface.text(&text::fit(name, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
+        canvas.text(&text::fit(subject, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
     }
     for (layer, place) in figure.legend().into_iter().zip(&layout.legend) {
-        legend::entry(&mut surface, layer, *place);
+        legend::entry(canvas, layer, *place);
     }
     for ((panel, area), ticks) in figure.panels.iter().zip(&layout.boxes).zip(&layout.y_ticks) {
-        draw_panel(&mut surface, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
+        draw_panel(canvas, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
     }
     let (panel, area) = (&figure.panels[0], layout.boxes.last().expect("a figure has a panel"));
     for tick in &layout.x_ticks {
         let x = horizontal(panel, *area, tick.value).round();
         let place = (x, area.bottom() + TICK_LENGTH + TICK_GAP + CAPITAL * SMALL);
-        surface.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
+        canvas.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
     }
+    let map = |point: &Point| (horizontal(panel, *area, point.0), vertical(panel, *area, point.1));
+    ends::draw(canvas, &figure, *area, &map);
     let place = (area.left + 0.5 * area.width, area.bottom() + FOOT - MARGIN + 4.0);
-    surface.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
+    canvas.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
     surface.save()
 }
 
@@ -51,31 +57,34 @@ fn vertical(panel: &Panel, area: Area, value: f64) -> f64 {
     area.bottom() - (panel.y.share(value) * area.height).clamp(-1e5, 1e5)
 }
 
-fn draw_panel(surface: &mut Surface<'_>, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
+fn draw_panel(surface: &mut dyn Surface, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
     let map = |point: &Point| (horizontal(panel, area, point.0), vertical(panel, area, point.1));
     let all = surface.all();
-    let layers = |surface: &mut Surface<'_>, wanted: fn(&Shape) -> bool| {
+    let layers = |surface: &mut dyn Surface, wanted: fn(&Shape) -> bool| {
         for layer in panel.layers.iter().filter(|layer| wanted(&layer.shape)) {
             draw_layer(surface, layer, area, &map);
         }
     };
     layers(surface, |shape| matches!(shape, Shape::Block(..)));
     let grid = Pen::thin(GRID);
+    let length = |tick: &Tick| if tick.label.is_empty() { 0.5 * TICK_LENGTH } else { TICK_LENGTH };
     for tick in x_ticks {
         let x = horizontal(panel, area, tick.value).round();
-        surface.stroke(&[(x, area.top), (x, area.bottom())], grid, area);
-        surface.stroke(&[(x, area.bottom()), (x, area.bottom() + TICK_LENGTH)], Pen::thin(FRAME), all);
+        surface.stroke(&[(x, area.bottom()), (x, area.bottom() + length(tick))], Pen::thin(FRAME), all);
+        if !tick.label.is_empty() {
+            surface.stroke(&[(x, area.top), (x, area.bottom())], grid, area);
+        }
     }
     for tick in y_ticks {
         let y = vertical(panel, area, tick.value).round();
-        let length = if tick.label.is_empty() { 0.5 * TICK_LENGTH } else { TICK_LENGTH };
-        surface.stroke(&[(area.left - length, y), (area.left, y)], Pen::thin(FRAME), all);
+        surface.stroke(&[(area.left - length(tick), y), (area.left, y)], Pen::thin(FRAME), all);
         if !tick.label.is_empty() {
             surface.stroke(&[(area.left, y), (area.right(), y)], grid, area);
             let place = (area.left - TICK_LENGTH - TICK_GAP, y + 0.5 * CAPITAL * SMALL);
             surface.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
         }
     }
+    layers(surface, |shape| matches!(shape, Shape::Between(_)));
     layers(surface, |shape| matches!(shape, Shape::Line(_)));
     let (right, bottom) = (area.right(), area.bottom());
     let frame = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom), (area.left, area.top)];
@@ -100,9 +109,17 @@ fn draw_panel(surface: &mut Surface<'_>, panel: &Panel, area: Area, y_ticks: &[T
     surface.text(&note, (right, baseline), SMALL, QUIET, Anchor::End, false);
 }
 
-fn draw_layer(surface: &mut Surface<'_>, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
+fn draw_layer(surface: &mut dyn Surface, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
     match &layer.shape {
         Shape::Line(points) => surface.stroke(&thinned(points.iter().map(map)), layer.pen, area),
+        Shape::Between(curves) => {
+            let column = |(x, low, high): &(f64, f64, f64)| {
+                let (bottom, top) = (map(&(*x, *low)), map(&(*x, *high)));
+                Column { x: top.0, top: top.1, bottom: bottom.1 }
+            };
+            let columns: Vec<Column> = curves.iter().map(column).collect();
+            surface.band(&columns, layer.pen.colour, BAND_OPACITY, area);
+        }
         Shape::Marks(mark, points) => {
             for point in points {
                 draw_mark(surface, *mark, map(point), layer.pen);
@@ -120,15 +137,24 @@ fn draw_layer(surface: &mut Surface<'_>, layer: &Layer, area: Area, map: &impl F
 }
 
 /// Draws a mark around `place` [px].
-pub fn draw_mark(surface: &mut Surface<'_>, mark: Mark, place: Point, pen: Pen) {
+pub fn draw_mark(surface: &mut dyn Surface, mark: Mark, place: Point, pen: Pen) {
     let all = surface.all();
-    let dot = |surface: &mut Surface<'_>, width: f64, colour| {
+    let dot = |surface: &mut dyn Surface, width: f64, colour| {
         surface.stroke(&[place], Pen { colour, width, dash: None }, all);
     };
     match mark {
         Mark::Dot => {
             dot(surface, 26.0, WHITE);
             dot(surface, 20.0, pen.colour);
+        }
+        Mark::Speck => {
+            dot(surface, 15.0, WHITE);
+            dot(surface, 11.0, pen.colour);
+        }
+        Mark::Target => {
+            dot(surface, 28.0, pen.colour);
+            dot(surface, 20.0, WHITE);
+            dot(surface, 11.0, pen.colour);
         }
         Mark::Ring => {
             dot(surface, 24.0, pen.colour);

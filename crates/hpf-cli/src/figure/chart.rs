@@ -1,6 +1,7 @@
 //! A figure as plain data: panels one below the other, layers in them, and what the legend says.
 
 use super::axis::Axis;
+use super::ends;
 use super::palette::Pen;
 
 /// Two numbers: a place in a panel, in the units of its axes, or on the bitmap.
@@ -15,6 +16,8 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Whether one unit is as long on the vertical as on the horizontal axis; the legend then stands at the right.
     pub equal: bool,
+    /// Whether lines are labelled at their ends, in a figure of one panel.
+    pub direct: bool,
 }
 
 /// One diagram.
@@ -28,7 +31,7 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn: rectangles under the grid, lines over it, marks over all; within these, the lowest first.
+    /// What is drawn: rectangles under the grid, bands and lines over it, marks over all; within these, the lowest first.
     pub layers: Vec<Layer>,
 }
 
@@ -52,6 +55,8 @@ pub enum Shape {
     Marks(Mark, Vec<Point>),
     /// A filled rectangle between two corners, which may lie endlessly far outside.
     Block(Point, Point),
+    /// What lies between two curves, lightly covered: where, the lower and the upper one.
+    Between(Vec<(f64, f64, f64)>),
 }
 
 /// A mark.
@@ -61,6 +66,10 @@ pub enum Mark {
     Dot,
     /// A circle with a hole.
     Ring,
+    /// A circle in a ring.
+    Target,
+    /// One of many small circles.
+    Speck,
 }
 
 impl Layer {
@@ -90,9 +99,22 @@ impl Layer {
         Self { shape: Shape::Block(from, to), pen, label: None }
     }
 
+    /// What lies between two curves: where, the lower and the upper one.
+    pub fn between(curves: Vec<(f64, f64, f64)>, pen: Pen) -> Self {
+        Self { shape: Shape::Between(curves), pen, label: None }
+    }
+
     /// Everything from `low` to `high`.
     pub fn band(low: f64, high: f64, pen: Pen) -> Self {
         Self::block((f64::NEG_INFINITY, low), (f64::INFINITY, high), pen)
+    }
+
+    /// The points that a line or marks go through.
+    pub fn points(&self) -> &[Point] {
+        match &self.shape {
+            Shape::Line(points) | Shape::Marks(_, points) => points,
+            Shape::Block(..) | Shape::Between(_) => &[],
+        }
     }
 
     /// The same layer, in the legend.
@@ -105,14 +127,21 @@ impl Layer {
 impl Figure {
     /// A figure of panels that share the horizontal axis.
     pub fn new(title: impl Into<String>, panels: Vec<Panel>) -> Self {
-        Self { title: title.into(), panels, equal: false }
+        Self { title: title.into(), panels, equal: false, direct: false }
     }
 
-    /// The layers that the legend shows: the first with each label.
+    /// The same figure with its lines labelled at their ends.
+    pub fn with_direct_labels(mut self) -> Self {
+        self.direct = true;
+        self
+    }
+
+    /// The layers that the legend shows: the first with each label, those labelled elsewhere left out.
     pub fn legend(&self) -> Vec<&Layer> {
         let mut entries: Vec<&Layer> = Vec::new();
         for layer in self.panels.iter().flat_map(|panel| &panel.layers) {
-            if layer.label.is_some() && entries.iter().all(|entry| entry.label != layer.label) {
+            let elsewhere = self.direct && ends::is_line(layer);
+            if layer.label.is_some() && !elsewhere && entries.iter().all(|entry| entry.label != layer.label) {
                 entries.push(layer);
             }
         }

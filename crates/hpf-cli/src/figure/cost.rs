@@ -39,25 +39,23 @@ pub fn cost(run: &Run) -> Figure {
     layers.push(line(rows, total, Pen::strong(BLACK), "total"));
     let note = match left_out.as_slice() {
         [] => String::new(),
-        names => format!("below {}, not shown: {}", short(VISIBLE * range.0, 1), names.join(", ")),
+        names => format!("below {}: {}", short(VISIBLE * range.0, 1), names.join(", ")),
     };
     let best = run.policy.provenance.updates;
-    if let Some(row) = rows.iter().find(|row| row.update == best && rows.len() > 1) {
-        let pen = Pen::strong(BLUE);
-        layers.push(Layer::marks(Mark::Ring, vec![(best as f64, row.total)], pen).labelled("learned"));
-    }
+    let learned = rows.iter().find(|row| row.update == best && rows.len() > 1);
+    layers.extend(learned.map(|row| Layer::marks(Mark::Ring, vec![(best as f64, row.total)], Pen::strong(BLUE))));
 
     let updates = span(rows.iter().map(|row| row.update as f64)).unwrap_or((0.0, 1.0));
     let updates = if updates.0 < updates.1 { updates } else { (updates.0 - 0.5, updates.1 + 0.5) };
     let panel = Panel {
-        heading: String::new(),
+        heading: learned.map_or_else(String::new, |_| format!("ring: learned, update {best}")),
         note,
         x: Axis::linear("update", "", updates).with_scale(Scale::Counted),
         y: Axis::linear("cost", "", range).with_scale(Scale::Logarithmic),
         layers,
     };
     let title = if rows.len() > 1 { "Cost by update, total and terms" } else { "Cost, total and terms" };
-    Figure::new(title, vec![panel])
+    Figure::new(title, vec![panel]).with_direct_labels()
 }
 
 fn line(rows: &[LearningRow], value: impl Fn(&LearningRow) -> f64, pen: Pen, name: &str) -> Layer {

@@ -12,18 +12,26 @@ use super::signals::{axis_heading, axis_phrase, time_axis};
 use crate::results::Run;
 
 /// Bounds farther apart than this many times the range of the profile are not all shown: the profile would be flat.
-const WIDEST_BOUNDS: f64 = 12.0;
+pub const WIDEST_BOUNDS: f64 = 12.0;
+
+/// The unit of stiffness on `axis`.
+pub fn stiffness_unit(axis: &TaskAxis) -> &'static str {
+    if axis.unit == Unit::M { "N/m" } else { "N m/rad" }
+}
+
+/// The unit of damping on `axis`.
+pub fn damping_unit(axis: &TaskAxis) -> &'static str {
+    if axis.unit == Unit::M { "N s/m" } else { "N m s/rad" }
+}
 
 /// Draws stiffness over time.
 pub fn stiffness(run: &Run) -> Figure {
-    let unit = |axis: &TaskAxis| if axis.unit == Unit::M { "N/m" } else { "N m/rad" };
-    draw(run, "stiffness", &run.task.stiffness, unit, |axis| &axis.stiffness)
+    draw(run, "stiffness", &run.task.stiffness, stiffness_unit, |axis| &axis.stiffness)
 }
 
 /// Draws damping over time.
 pub fn damping(run: &Run) -> Figure {
-    let unit = |axis: &TaskAxis| if axis.unit == Unit::M { "N s/m" } else { "N m s/rad" };
-    draw(run, "damping", &run.task.damping, unit, |axis| &axis.damping)
+    draw(run, "damping", &run.task.damping, damping_unit, |axis| &axis.damping)
 }
 
 fn draw(
@@ -76,7 +84,7 @@ fn draw(
 }
 
 /// The bounds in words, in as many digits as tell them apart.
-fn bounds(min: f64, max: f64, unit: &str) -> String {
+pub fn bounds(min: f64, max: f64, unit: &str) -> String {
     if min == max {
         return format!("fixed at {} {unit}", short(min, 4));
     }

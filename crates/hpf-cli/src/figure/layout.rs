@@ -5,7 +5,7 @@
 use super::axis::{Scale, Tick};
 use super::chart::{Figure, Panel, Point};
 use super::surface::Area;
-use super::{legend, text};
+use super::{ends, legend, text};
 
 const WIDTH: f64 = 1600.0;
 const HEIGHT: f64 = 1000.0;
@@ -79,13 +79,18 @@ impl Layout {
         let left = (MARGIN + axis_title + labels + TICK_GAP + TICK_LENGTH).ceil();
 
         let x = &figure.panels[0].x;
-        let room = square.unwrap_or(WIDTH - left - MARGIN);
+        let beside = ends::width(figure);
+        let room = square.unwrap_or(WIDTH - left - beside - MARGIN);
         let mut x_ticks = x.ticks(pieces(room, X_SPACING));
-        if widest(&x_ticks) + 40.0 > X_SPACING {
+        if x.scale == Scale::Named {
+            let slot = room / x_ticks.len().max(1) as f64;
+            x_ticks.iter_mut().for_each(|tick| tick.label = text::fit(&tick.label, SMALL, slot - 16.0));
+        } else if widest(&x_ticks) + 40.0 > X_SPACING {
             x_ticks = x.ticks(pieces(room, widest(&x_ticks) + 60.0));
         }
-        // The last label is centred on its tick and must not be cut off.
-        let overhang = 0.5 * x_ticks.last().map_or(0.0, |tick| text::width(&tick.label, SMALL)) + 12.0 - MARGIN;
+        // The last label is centred on its tick and must not be cut off; names stay inside the box.
+        let last = x_ticks.last().filter(|_| x.scale != Scale::Named);
+        let overhang = 0.5 * last.map_or(0.0, |tick| text::width(&tick.label, SMALL)) + 12.0 - MARGIN - beside;
         let width = square.unwrap_or((room - overhang.max(0.0)).floor());
 
         let panel_top = |i: usize| (top + heading + i as f64 * (height + GAP + heading)).floor();

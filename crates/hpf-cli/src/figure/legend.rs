@@ -41,7 +41,7 @@ pub fn column(count: usize, corner: Point) -> Vec<Point> {
 }
 
 /// Draws one entry; `place` is the left end of its middle line.
-pub fn entry(surface: &mut Surface<'_>, layer: &Layer, place: Point) {
+pub fn entry(surface: &mut dyn Surface, layer: &Layer, place: Point) {
     let (x, y) = place;
     match &layer.shape {
         Shape::Line(_) => {
@@ -50,7 +50,7 @@ pub fn entry(surface: &mut Surface<'_>, layer: &Layer, place: Point) {
             surface.stroke(&[(x + end, y.round()), (x + SAMPLE - end, y.round())], layer.pen, all);
         }
         Shape::Marks(mark, _) => draw_mark(surface, *mark, (x + 0.5 * SAMPLE, y), layer.pen),
-        Shape::Block(..) => {
+        Shape::Block(..) | Shape::Between(_) => {
             surface.fill(Area { left: x, top: y - 14.0, width: SAMPLE, height: 28.0 }, GREY);
             surface.fill(Area { left: x + 2.0, top: y - 12.0, width: SAMPLE - 4.0, height: 24.0 }, layer.pen.colour);
         }

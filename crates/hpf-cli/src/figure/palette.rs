@@ -31,6 +31,11 @@ pub const FRAME: RGBColor = RGBColor(90, 90, 90);
 /// What lies outside bounds.
 pub const SHADE: RGBColor = RGBColor(238, 238, 238);
 
+/// Colours of things of one kind that are compared, in their order.
+const SERIES: [RGBColor; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, OLIVE, GREY];
+/// Most things of one kind that are told apart: every colour, whole and dashed.
+pub const MOST_SERIES: usize = 2 * SERIES.len();
+
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
@@ -51,6 +56,12 @@ impl Pen {
     /// A line beside others.
     pub const fn plain(colour: RGBColor) -> Self {
         Self { colour, width: 4.0, dash: None }
+    }
+
+    /// The line of the `i`th of things that are compared, up to [`MOST_SERIES`].
+    pub fn series(i: usize) -> Self {
+        let dash = (i >= SERIES.len()).then_some((22.0, 10.0));
+        Self { colour: SERIES[i % SERIES.len()], width: 5.0, dash }
     }
 
     /// A reference, set-point or bound.

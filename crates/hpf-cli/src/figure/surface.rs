@@ -1,16 +1,76 @@
-//! Pixels: strokes, rectangles and text on plotters' bitmap.
-//!
-//! plotters lends the bitmap, blending and the PNG file. Strokes are made here, from the distance of each pixel to the
-//! line: plotters draws thick lines on whole pixels and without anti-aliasing.
+//! What a figure is drawn on: strokes, bands, rectangles and text, whatever the file becomes.
 
 use std::path::Path;
 
-use plotters::backend::{BitMapBackend, DrawingBackend};
-use plotters::style::{Color as _, RGBColor};
+use plotters::style::RGBColor;
 
+use super::bitmap::Bitmap;
 use super::chart::Point;
 use super::palette::Pen;
-use super::text;
+use super::vector::Vector;
+
+/// What a figure is written as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Pixels, at twice the size of the figure
+    #[default]
+    Png,
+    /// Lines and outlines of letters; needs no font
+    Svg,
+}
+
+impl Format {
+    /// The ending of its files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Svg => "svg",
+        }
+    }
+
+    /// An empty white surface of `size` [px] for the file `path`.
+    pub fn surface<'p>(self, path: &'p Path, size: (usize, usize)) -> Box<dyn Surface + 'p> {
+        match self {
+            Self::Png => Box::new(Bitmap::new(path, size)),
+            Self::Svg => Box::new(Vector::new(path, size)),
+        }
+    }
+}
+
+/// A surface; places are in pixels, y downwards.
+pub trait Surface {
+    /// All of it.
+    fn all(&self) -> Area;
+
+    /// Fills the whole pixels nearest to `area`.
+    fn fill(&mut self, area: Area, colour: RGBColor);
+
+    /// Writes `text` with its baseline at `place`; `upwards` turns it by a quarter to the left.
+    fn text(&mut self, text: &str, place: Point, size: f64, colour: RGBColor, anchor: Anchor, upwards: bool);
+
+    /// Draws `points` in order, inside `clip`, with round ends and joints; it breaks where one is not finite.
+    fn stroke(&mut self, points: &[Point], pen: Pen, clip: Area);
+
+    /// Lays `colour` thinly over what is between upper and lower edge, inside `clip`: the columns go from left to right.
+    fn band(&mut self, columns: &[Column], colour: RGBColor, opacity: f64, clip: Area);
+
+    /// Encodes and writes the file.
+    ///
+    /// # Errors
+    /// What the system or the encoder says.
+    fn save(self: Box<Self>) -> Result<(), String>;
+}
+
+/// Upper and lower edge of a band at one place [px].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// Where.
+    pub x: f64,
+    /// Upper edge.
+    pub top: f64,
+    /// Lower edge.
+    pub bottom: f64,
+}
 
 /// A rectangle [px], y downwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,167 +108,13 @@ pub enum Anchor {
     End,
 }
 
-/// A bitmap that becomes a PNG file.
-pub struct Surface<'p> {
-    bitmap: BitMapBackend<'p>,
-    size: (usize, usize),
-    /// How much of each pixel the stroke at hand covers, in 255ths; nought between strokes.
-    coverage: Vec<u8>,
-}
-
-impl<'p> Surface<'p> {
-    /// A white bitmap of `size` [px] for the file `path`.
-    pub fn new(path: &'p Path, size: (usize, usize)) -> Self {
-        let bitmap = BitMapBackend::new(path, (size.0 as u32, size.1 as u32));
-        let mut surface = Self { bitmap, size, coverage: vec![0; size.0 * size.1] };
-        let all = surface.all();
-        surface.fill(all, super::palette::WHITE);
-        surface
-    }
-
-    /// All of it.
-    pub fn all(&self) -> Area {
-        Area { left: 0.0, top: 0.0, width: self.size.0 as f64, height: self.size.1 as f64 }
-    }
-
-    /// Encodes and writes the file.
-    ///
-    /// # Errors
-    /// What the system or the encoder says.
-    pub fn save(mut self) -> Result<(), String> {
-        self.bitmap.present().map_err(|error| error.to_string())
-    }
-
-    fn blend(&mut self, x: i32, y: i32, colour: RGBColor, share: f64) {
-        self.bitmap.draw_pixel((x, y), colour.mix(share).to_backend_color()).expect("a bitmap in memory takes pixels");
-    }
-
-    /// Fills the whole pixels nearest to `area`.
-    pub fn fill(&mut self, area: Area, colour: RGBColor) {
-        let all = self.all();
-        let pixel = |value: f64, most: f64| value.round().clamp(0.0, most) as i32;
-        let from = (pixel(area.left, all.width), pixel(area.top, all.height));
-        let to = (pixel(area.right(), all.width), pixel(area.bottom(), all.height));
-        if from.0 < to.0 && from.1 < to.1 {
-            self.bitmap.draw_rect(from, to, &colour, true).expect("a bitmap in memory takes pixels");
+impl Anchor {
+    /// How much of a text of `width` stands before its place.
+    pub fn before(self, width: f64) -> f64 {
+        match self {
+            Self::Start => 0.0,
+            Self::Middle => 0.5 * width,
+            Self::End => width,
         }
     }
-
-    /// Writes `text` with its baseline at `place`; `upwards` turns it by a quarter to the left.
-    pub fn text(&mut self, text: &str, place: Point, size: f64, colour: RGBColor, anchor: Anchor, upwards: bool) {
-        let width = text::width(text, size);
-        let before = match anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5 * width,
-            Anchor::End => width,
-        };
-        let (along, across) = if upwards { (-place.1, place.0) } else { place };
-        let start = (along - before).floor();
-        let (column, row) = (start as i32, across.round() as i32);
-        text::rasterise(text, size, along - before - start, |x, y, share| {
-            let (x, y) = (column + x, row + y);
-            let (x, y) = if upwards { (y, -x) } else { (x, y) };
-            self.blend(x, y, colour, share.into());
-        });
-    }
-
-    /// Draws `points` [px] in order, inside `clip`, with round ends and joints; it breaks where one is not finite.
-    pub fn stroke(&mut self, points: &[Point], pen: Pen, clip: Area) {
-        let mut touched = Touched::default();
-        for part in points.split(|point| !(point.0.is_finite() && point.1.is_finite())) {
-            match pen.dash {
-                Some(dash) => {
-                    for piece in dashes(part, dash, pen.width) {
-                        self.cover(&piece, pen.width, clip, &mut touched);
-                    }
-                }
-                None => self.cover(part, pen.width, clip, &mut touched),
-            }
-        }
-        for y in touched.rows.0..touched.rows.1 {
-            for x in touched.columns.0..touched.columns.1 {
-                let share = core::mem::take(&mut self.coverage[y * self.size.0 + x]);
-                if share > 0 {
-                    self.blend(x as i32, y as i32, pen.colour, f64::from(share) / 255.0);
-                }
-            }
-        }
-    }
-
-    fn cover(&mut self, points: &[Point], width: f64, clip: Area, touched: &mut Touched) {
-        if let [point] = *points {
-            self.cover_segment(point, point, width, clip, touched);
-        }
-        for pair in points.windows(2) {
-            self.cover_segment(pair[0], pair[1], width, clip, touched);
-        }
-    }
-
-    fn cover_segment(&mut self, from: Point, to: Point, width: f64, clip: Area, touched: &mut Touched) {
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let square = dx * dx + dy * dy;
-        let reach = 0.5 * width + 0.5;
-        let (top, bottom) = (clip.top.max(0.0), clip.bottom().min(self.size.1 as f64));
-        let (left, right) = (clip.left.max(0.0), clip.right().min(self.size.0 as f64));
-        let first = (from.1.min(to.1) - reach).floor().clamp(top, bottom) as usize;
-        let last = (from.1.max(to.1) + reach).ceil().clamp(top, bottom) as usize;
-        for y in first..last {
-            let middle = y as f64 + 0.5;
-            // Only the part of the segment that comes within reach of this row can cover pixels of it.
-            let near = |edge: f64| ((edge - from.1) / dy).clamp(0.0, 1.0);
-            let (a, b) = if dy.abs() < 1e-9 { (0.0, 1.0) } else { (near(middle - reach), near(middle + reach)) };
-            let (a, b) = (from.0 + a * dx, from.0 + b * dx);
-            let start = (a.min(b) - reach).floor().clamp(left, right) as usize;
-            let end = (a.max(b) + reach).ceil().clamp(left, right) as usize;
-            for x in start..end {
-                let (px, py) = (x as f64 + 0.5 - from.0, middle - from.1);
-                let share = if square > 0.0 { ((px * dx + py * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
-                let distance = (px - share * dx).hypot(py - share * dy);
-                let covered = ((reach - distance).clamp(0.0, 1.0) * 255.0).round() as u8;
-                let slot = &mut self.coverage[y * self.size.0 + x];
-                *slot = covered.max(*slot);
-            }
-            touched.columns = (touched.columns.0.min(start), touched.columns.1.max(end));
-        }
-        touched.rows = (touched.rows.0.min(first), touched.rows.1.max(last));
-    }
-}
-
-/// The rows and columns a stroke has touched: first, and one past the last.
-struct Touched {
-    rows: (usize, usize),
-    columns: (usize, usize),
-}
-
-impl Default for Touched {
-    fn default() -> Self {
-        Self { rows: (usize::MAX, 0), columns: (usize::MAX, 0) }
-    }
-}
-
-/// The dashes along `points`, shortened by the round ends that a line of `width` adds.
-fn dashes(points: &[Point], (dash, gap): (f64, f64), width: f64) -> Vec<Vec<Point>> {
-    let (on, off) = ((dash - width).max(0.1), gap + width);
-    let mut pieces: Vec<Vec<Point>> = points.first().map(|first| vec![*first]).into_iter().collect();
-    let (mut drawn, mut left) = (true, on);
-    for pair in points.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let length = (to.0 - from.0).hypot(to.1 - from.1);
-        let mut done = 0.0;
-        while length - done > left {
-            done += left;
-            let at = (from.0 + done / length * (to.0 - from.0), from.1 + done / length * (to.1 - from.1));
-            match pieces.last_mut() {
-                Some(piece) if drawn => piece.push(at),
-                _ => pieces.push(vec![at]),
-            }
-            drawn = !drawn;
-            left = if drawn { on } else { off };
-        }
-        left -= length - done;
-        if let Some(piece) = pieces.last_mut().filter(|_| drawn) {
-            piece.push(to);
-        }
-    }
-    pieces
 }

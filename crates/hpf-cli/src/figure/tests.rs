@@ -50,7 +50,8 @@ fn runs() -> Vec<Run> {
 
 #[test]
 fn the_kind_of_task_decides_which_figures_there_are() {
-    let found: Vec<String> = runs().iter().map(|run| names(run).join(" ").replace(".png", "")).collect();
+    let names = |run: &Run| figures(run).into_iter().map(|drawing| drawing.name).collect::<Vec<_>>().join(" ");
+    let found: Vec<String> = runs().iter().map(names).collect();
     let free = "cost stiffness damping disturbance path";
     assert_eq!(found[..4], [free; 4]);
     assert_eq!(found[4], "cost stiffness damping beam path deviation contact_force");
@@ -61,8 +62,9 @@ fn the_kind_of_task_decides_which_figures_there_are() {
 #[test]
 fn the_font_has_every_sign_that_figures_use() {
     for run in runs() {
-        for (name, figure) in figures(&run) {
-            let figure = figure();
+        let named = [&run, &run].map(|run| Named { name: run.task.name.clone(), run });
+        for drawing in figures(&run).into_iter().chain(overlaid(&named)) {
+            let (name, figure) = (&drawing.name, (drawing.make)());
             let mut texts = vec![figure.title.clone()];
             texts.extend(figure.legend().iter().filter_map(|layer| layer.label.clone()));
             for panel in &figure.panels {
@@ -82,11 +84,14 @@ fn every_figure_is_written_whole_and_with_the_same_bytes_each_time() {
     let folder = std::env::temp_dir().join(format!("hpf-figure-{}", std::process::id()));
     let image = |name: &String| fs::read(folder.join(name)).unwrap();
     for run in runs() {
-        let names = draw(&run, &folder).unwrap();
-        let first: Vec<_> = names.iter().map(image).collect();
-        assert_eq!(draw(&run, &folder).unwrap(), names);
-        for (name, bytes) in names.iter().zip(&first) {
-            assert!(bytes.starts_with(b"\x89PNG") && image(name) == *bytes, "{name} of {}", run.task.name);
+        for (format, magic) in [(Format::Png, &b"\x89PNG"[..]), (Format::Svg, b"<svg ")] {
+            let draw = || draw(&figures(&run), "a < b & c", format, &folder).unwrap();
+            let names = draw();
+            let first: Vec<_> = names.iter().map(image).collect();
+            assert_eq!(draw(), names);
+            for (name, bytes) in names.iter().zip(&first) {
+                assert!(bytes.starts_with(magic) && image(name) == *bytes, "{name} of {}", run.task.name);
+            }
         }
     }
     assert!(fs::read_dir(&folder).unwrap().all(|entry| !entry.unwrap().path().to_string_lossy().contains("partial")));

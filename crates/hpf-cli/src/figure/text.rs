@@ -5,7 +5,7 @@
 
 use std::sync::LazyLock;
 
-use ab_glyph::{Font as _, FontRef, Glyph, GlyphId, PxScale, ScaleFont as _, point};
+use ab_glyph::{Font as _, FontRef, Glyph, GlyphId, OutlineCurve, PxScale, ScaleFont as _, point};
 
 static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
     FontRef::try_from_slice(include_bytes!("font/DejaVuSans-subset.ttf")).expect("the bundled font is whole")
@@ -33,6 +33,37 @@ fn set(text: &str, size: f64) -> (Vec<(GlyphId, f32)>, f32) {
 /// Width of `text` [px] where one em is `size` [px].
 pub fn width(text: &str, size: f64) -> f64 {
     set(text, size).1.into()
+}
+
+/// Pixels that one unit of [`outline`] takes where one em is `size` [px].
+pub fn pixels_per_unit(size: f64) -> f64 {
+    size / f64::from(FONT.units_per_em().expect("the bundled font has a size"))
+}
+
+/// The letters of `text` that have an outline, each with its place along the baseline [px].
+pub fn letters(text: &str, size: f64) -> impl Iterator<Item = (u16, f64)> {
+    let letters = set(text, size).0.into_iter();
+    letters.filter(|(id, _)| FONT.outline(*id).is_some()).map(|(id, x)| (id.0, x.into()))
+}
+
+/// The outline of a letter as an SVG path, in units of the font, y upwards.
+pub fn outline(letter: u16) -> String {
+    let mut path = String::new();
+    let mut end = None;
+    for curve in FONT.outline(GlyphId(letter)).into_iter().flat_map(|outline| outline.curves) {
+        let points = match curve {
+            OutlineCurve::Line(from, to) => vec![from, to],
+            OutlineCurve::Quad(from, bend, to) => vec![from, bend, to],
+            OutlineCurve::Cubic(from, bend, other, to) => vec![from, bend, other, to],
+        };
+        if end != Some(points[0]) {
+            path += &format!("M{} {}", points[0].x, points[0].y);
+        }
+        path.push(['L', 'Q', 'C'][points.len() - 2]);
+        path += &points[1..].iter().map(|point| format!("{} {}", point.x, point.y)).collect::<Vec<_>>().join(" ");
+        end = points.last().copied();
+    }
+    path
 }
 
 /// `text`, cut to `room` [px] with an ellipsis where it is wider.

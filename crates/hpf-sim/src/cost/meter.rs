@@ -103,10 +103,15 @@ impl<'a, const N: usize> Bill<'a, N> {
 pub(crate) struct Meter<'m, 'b, const N: usize> {
     prices: &'m AxisPrices,
     bill: &'m mut Bill<'b, N>,
+    /// What is to be added to the running terms when all samples are taken.
+    sums: [Lanes<N>; RUNNING.len()],
     before: Before<N>,
     /// The via points that are still to come.
     via: &'m [ViaPrice],
 }
+
+/// The terms that every step adds to: acceleration, and the squares of a sample.
+const RUNNING: [Term; 5] = [Term::Acceleration, Term::Stiffness, Term::Damping, Term::Tracking, Term::ContactForce];
 
 /// The sample before.
 #[derive(Clone, Copy)]
@@ -123,7 +128,8 @@ impl CostModel {
     pub(crate) fn meter<'m, 'b, const N: usize>(&'m self, a: usize, bill: &'m mut Bill<'b, N>) -> Meter<'m, 'b, N> {
         let prices = &self.axes[a];
         let zero = Lanes::ZERO;
-        Meter { prices, bill, before: Before { position: zero, velocity: zero, squares: [zero; 4] }, via: &prices.via }
+        let before = Before { position: zero, velocity: zero, squares: [zero; 4] };
+        Meter { prices, bill, sums: [zero; RUNNING.len()], before, via: &prices.via }
     }
 
     /// Writes what `trace` costs.
@@ -159,28 +165,28 @@ impl CostModel {
 }
 
 impl<const N: usize> Meter<'_, '_, N> {
-    /// Adds `cost` to a step and to a term.
-    #[inline(always)]
-    fn charge(&mut self, step: usize, term: Term, cost: Lanes<N>) {
-        self.bill.running[step] = (Lanes(self.bill.running[step]) + cost).0;
-        self.bill.terms[term as usize] += cost;
-    }
-
     /// The running costs of the step that ends here.
     #[inline(always)]
     fn charge_step(&mut self, step: usize, change: Lanes<N>, squares: &[Lanes<N>; 4]) {
         let prices = self.prices;
-        // A weight of nought leaves a term out: it does not make a NaN of an infinity.
-        if prices.acceleration > 0.0 {
-            self.charge(step, Term::Acceleration, Lanes::of(prices.acceleration) * (change * change));
-        }
-        let factors = [prices.stiffness, prices.damping, prices.tracking, prices.contact_force];
-        let terms = [Term::Stiffness, Term::Damping, Term::Tracking, Term::ContactForce];
-        for (j, (factor, term)) in factors.into_iter().zip(terms).enumerate() {
+        let both_ends = |j: usize| self.before.squares[j] + squares[j];
+        let terms = [
+            (prices.acceleration, change * change),
+            (prices.stiffness, both_ends(0)),
+            (prices.damping, both_ends(1)),
+            (prices.tracking, both_ends(2)),
+            (prices.contact_force, both_ends(3)),
+        ];
+        let mut all = Lanes(self.bill.running[step]);
+        for (sum, (factor, squares)) in self.sums.iter_mut().zip(terms) {
+            // A weight of nought leaves a term out: it does not make a NaN of an infinity.
             if factor > 0.0 {
-                self.charge(step, term, Lanes::of(factor) * (self.before.squares[j] + squares[j]));
+                let cost = Lanes::of(factor) * squares;
+                *sum += cost;
+                all += cost;
             }
         }
+        self.bill.running[step] = all.0;
     }
 
     /// The via points passed between the sample before and `position`.
@@ -191,7 +197,9 @@ impl<const N: usize> Meter<'_, '_, N> {
         {
             let passed = self.before.position + Lanes::of(via.share) * (position - self.before.position);
             let error = passed - Lanes::of(via.position);
-            self.charge(via.step, Term::ViaPoint, Lanes::of(self.prices.half_via_weight) * error * error);
+            let cost = Lanes::of(self.prices.half_via_weight) * error * error;
+            self.bill.running[via.step] = (Lanes(self.bill.running[via.step]) + cost).0;
+            self.bill.terms[Term::ViaPoint as usize] += cost;
             self.via = rest;
         }
     }
@@ -213,6 +221,9 @@ impl<const N: usize> Sink<N> for Meter<'_, '_, N> {
             let error = sample.position - Lanes::of(self.prices.goal);
             let goal = Lanes::of(self.prices.half_goal_weight) * error * error;
             let end_velocity = Lanes::of(self.prices.half_end_velocity_weight) * sample.velocity * sample.velocity;
+            for (term, sum) in RUNNING.into_iter().zip(self.sums) {
+                self.bill.terms[term as usize] += sum;
+            }
             self.bill.terminal += goal + end_velocity;
             self.bill.terms[Term::Goal as usize] += goal;
             self.bill.terms[Term::EndVelocity as usize] += end_velocity;

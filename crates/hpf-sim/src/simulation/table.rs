@@ -30,7 +30,8 @@ impl Table {
 
     #[inline(always)]
     fn row(&self, row: usize) -> &[f64] {
-        &self.rows[row * self.count..(row + 1) * self.count]
+        // Cut to a length that is written out, so that an index below it needs no check.
+        &self.rows[row * self.count..][..self.count]
     }
 
     /// The mixture of one list of weights at the instant of `row`.
@@ -43,7 +44,6 @@ impl Table {
     /// order as [`mix`](Self::mix).
     #[inline(always)]
     pub(super) fn mix_rows<const N: usize, const R: usize>(&self, first: usize, weights: &[Lanes<N>]) -> [Lanes<N>; R] {
-        // Cut to one length, so that no index below needs a check.
         let weights = &weights[..self.count];
         let rows: [&[f64]; R] = core::array::from_fn(|r| self.row(first + r));
         let mut sums = [Lanes::ZERO; R];

@@ -64,7 +64,7 @@ impl<const N: usize> Tool<N> for Free<'_, N> {
 pub(super) struct ContactModel {
     pub(super) axis: usize,
     pub(super) initial_position: f64,
-    /// At every half step.
+    /// At every half step; it yields, but its position and direction are the same at all.
     pub(super) surfaces: Vec<Surface>,
 }
 
@@ -81,19 +81,23 @@ pub(super) struct Touching<'a, const N: usize> {
     forces: &'a Forces,
     model: &'a ContactModel,
     position: Lanes<N>,
+    /// -1 for a free tool, else 1. It is written at a crossing alone, so that the processor need not wait
+    /// for a position to work out the exponential of the next step.
+    mode: Lanes<N>,
 }
 
 impl<'a, const N: usize> Touching<'a, N> {
     #[inline(always)]
     pub(super) fn new(dt: f64, forces: &'a Forces, model: &'a ContactModel) -> Self {
-        Self { dt, forces, model, position: Lanes::of(model.initial_position) }
+        let position = Lanes::of(model.initial_position);
+        Self { dt, forces, model, position, mode: mode(depth(&model.surfaces[0], position)) }
     }
 
-    /// The law at the start of step `i`; lanes whose `depth` is negative are free.
+    /// The law at sample `i`; lanes whose `mode` is negative are free.
     #[inline(always)]
-    fn law(&self, i: usize, knot: &Knot<N>, force: f64, depth: Lanes<N>) -> Instant<Lanes<N>> {
+    fn law(&self, i: usize, knot: &Knot<N>, force: f64, mode: Lanes<N>) -> Instant<Lanes<N>> {
         let surface = &self.model.surfaces[2 * i];
-        let load_stiffness = while_touching(surface, depth);
+        let load_stiffness = while_touching(surface, mode);
         let load = Lanes::of(force + surface.direction * surface.set_point);
         Instant {
             stiffness: knot.stiffness,
@@ -105,29 +109,29 @@ impl<'a, const N: usize> Touching<'a, N> {
         }
     }
 
-    /// Step `i`, each lane in one mode: free where its `depth` is negative.
+    /// Step `i`, each lane in one mode: free where its `mode` is negative.
     #[inline(always)]
     fn segment(
         &self,
         i: usize,
         [now, next]: [&Knot<N>; 2],
         [stiffness, damping]: [Lanes<N>; 2],
-        depth: Lanes<N>,
+        mode: Lanes<N>,
     ) -> Segment<N> {
         let (after, before_next) = self.forces[i];
-        let load_stiffness = while_touching(&self.model.surfaces[2 * i + 1], depth);
+        let load_stiffness = while_touching(&self.model.surfaces[2 * i + 1], mode);
         Segment {
-            start: self.law(i, now, after, depth).target(),
-            end: self.law(i + 1, next, before_next, depth).target(),
+            start: self.law(i, now, after, mode).target(),
+            end: self.law(i + 1, next, before_next, mode).target(),
             lambda_dt: (stiffness + load_stiffness) / damping * Lanes::of(self.dt),
         }
     }
 }
 
-/// Stiffness towards the tool where the depth is not negative.
+/// Stiffness towards the tool where `mode` is not negative.
 #[inline(always)]
-fn while_touching<const N: usize>(surface: &Surface, depth: Lanes<N>) -> Lanes<N> {
-    depth.select_below(Lanes::ZERO, Lanes::ZERO, Lanes::of(surface.stiffness))
+fn while_touching<const N: usize>(surface: &Surface, mode: Lanes<N>) -> Lanes<N> {
+    mode.select_below(Lanes::ZERO, Lanes::ZERO, Lanes::of(surface.stiffness))
 }
 
 #[inline(always)]
@@ -135,8 +139,12 @@ fn depth<const N: usize>(surface: &Surface, position: Lanes<N>) -> Lanes<N> {
     position.map(|position| surface.depth(position))
 }
 
-/// As [`while_touching`] sees it: a depth that is NaN counts as touching.
+/// -1 where the depth is negative, else 1: a depth that is NaN counts as touching.
 #[inline(always)]
+fn mode<const N: usize>(depth: Lanes<N>) -> Lanes<N> {
+    depth.select_below(Lanes::ZERO, Lanes::of(-1.0), Lanes::ONE)
+}
+
 pub(super) fn is_free(depth: f64) -> bool {
     depth < 0.0
 }
@@ -145,7 +153,7 @@ impl<const N: usize> Tool<N> for Touching<'_, N> {
     #[inline(always)]
     fn sample(&self, i: usize, now: &Knot<N>) -> Sample<N> {
         let surface = &self.model.surfaces[2 * i];
-        let law = self.law(i, now, self.forces[i].0, depth(surface, self.position));
+        let law = self.law(i, now, self.forces[i].0, self.mode);
         Sample {
             reference_position: now.reference_position(),
             reference_velocity: now.reference_velocity,
@@ -164,21 +172,21 @@ impl<const N: usize> Tool<N> for Touching<'_, N> {
     #[inline(always)]
     fn advance(&mut self, i: usize, now: &Knot<N>, next: &Knot<N>, middle: [Lanes<N>; 2]) {
         let surface = &self.model.surfaces[2 * i];
-        let before = depth(surface, self.position);
-        let end = self.segment(i, [now, next], middle, before).advance(self.position, 0.0, 1.0);
-        let after = depth(surface, end);
-        let crossing = |lane: usize| is_free(before.0[lane]) != is_free(after.0[lane]);
-        if (0..N).fold(false, |any, lane| any | crossing(lane)) {
-            let modes = [-1.0, 1.0].map(|depth| self.segment(i, [now, next], middle, Lanes::of(depth)));
-            let start = self.position;
+        let end = self.segment(i, [now, next], middle, self.mode).advance(self.position, 0.0, 1.0);
+        // On the surface itself counts as a crossing, which does no harm.
+        let Lanes(agreement) = self.mode * depth(surface, end);
+        if !agreement.iter().fold(false, |any, agreement| any | (*agreement <= 0.0)) {
             self.position = end;
-            for lane in (0..N).filter(|&lane| crossing(lane)) {
-                let [free, touching] = modes.each_ref().map(|mode| mode.lane(lane));
-                self.position.0[lane] = cross(start.0[lane], !is_free(before.0[lane]), surface, [free, touching]);
-            }
-        } else {
-            self.position = end;
+            return;
         }
+        let modes = [-1.0, 1.0].map(|mode| self.segment(i, [now, next], middle, Lanes::of(mode)));
+        let mut position = end;
+        for lane in (0..N).filter(|&lane| agreement[lane] <= 0.0) {
+            let segments = modes.each_ref().map(|mode| mode.lane(lane));
+            position.0[lane] = cross(self.position.0[lane], !is_free(self.mode.0[lane]), surface, segments);
+        }
+        self.position = position;
+        self.mode = mode(depth(surface, position));
     }
 }
 

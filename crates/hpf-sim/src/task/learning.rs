@@ -53,6 +53,9 @@ pub struct Learning {
     pub covariance: Option<CovarianceKind>,
     /// Whether an update moves the weights along the basis vectors only; the preset decides where this is left out.
     pub projection: Option<bool>,
+    /// Cheapest rollouts so far that take part in the next update of PI2 again; not where costs are random.
+    #[schemars(range(max = 100_000))]
+    pub elites: usize,
     /// The path that learning starts from.
     pub initial_path: InitialPath,
     /// Seed of all random numbers.
@@ -78,6 +81,7 @@ impl Default for Learning {
             credit: None,
             covariance: None,
             projection: None,
+            elites: 0,
             initial_path: InitialPath::Pull,
             seed: 1,
         }
@@ -97,6 +101,10 @@ pub enum Method {
     /// Signals where the environment has them, else the costs of the steps, then PI2; the keys of `gauss-newton`.
     #[serde(rename = "auto")]
     Auto,
+    /// Evolution by covariance matrix adaptation, on the total cost: the keys of `gauss-newton`, `noise` being the
+    /// standard deviations at the first update and `rollouts` the size of the population.
+    #[serde(rename = "cma-es")]
+    CmaEs,
 }
 
 impl Method {
@@ -106,6 +114,7 @@ impl Method {
             Self::Pi2 => "pi2",
             Self::GaussNewton => "gauss-newton",
             Self::Auto => "auto",
+            Self::CmaEs => "cma-es",
         }
     }
 }

@@ -5,7 +5,8 @@ use core::fmt::Display;
 use super::keys::{Document, unknown};
 use super::learning::PRIMITIVES;
 use super::{
-    Diagnostic, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis, Scaling, Task, Unit,
+    Diagnostic, Environment, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis,
+    Scaling, Task, Unit,
 };
 use crate::environment::{Distribution, Quantity};
 
@@ -32,6 +33,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     if is_clean {
         rules.cost_and_targets();
     }
+    rules.process();
     rules.learning();
     rules.sizes();
 }
@@ -325,7 +327,12 @@ impl Rules<'_, '_, '_> {
         let per_axis =
             [&cost.goal, &cost.end_velocity, &cost.via_point, &cost.acceleration, &cost.stiffness, &cost.damping];
         let silent = |value: &PerAxis| value.values().iter().all(|&weight| weight == 0.0);
-        if cost.tracking == 0.0 && cost.contact_force == 0.0 && per_axis.into_iter().all(silent) {
+        // A process may tell costs of its own.
+        if task.environment.is_none()
+            && cost.tracking == 0.0
+            && cost.contact_force == 0.0
+            && per_axis.into_iter().all(silent)
+        {
             self.say(
                 "cost",
                 "no cost term has a weight: there is nothing to learn",
@@ -376,13 +383,35 @@ impl Rules<'_, '_, '_> {
         }
     }
 
+    /// What hpf would simulate, in a task that a process runs.
+    fn process(&mut self) {
+        let task = self.task;
+        let Some(Environment::Process(process)) = &task.environment else { return };
+        if process.command.first().is_some_and(String::is_empty) {
+            self.say("environment.command.0", "the name of the program is empty", "a program and its arguments");
+        }
+        for (path, given) in [
+            ("disturbance", !task.disturbance.is_empty()),
+            ("contact", task.contact.is_some()),
+            ("sensor", task.sensor.is_some()),
+            ("actuator", task.actuator.is_some()),
+            ("output.snapshots", !task.output.snapshots.is_empty()),
+        ] {
+            if given {
+                let help = "the process is the environment: leave it out, or leave out [environment]";
+                self.say(path, format!("`{path}` is simulated, and the rollouts of this task are not"), help);
+            }
+        }
+    }
+
     fn learning(&mut self) {
         let learning = &self.task.learning;
-        let least = learning.rollouts.saturating_add(2);
+        let least = learning.rollouts.saturating_add(2).saturating_mul(self.task.draws());
         if learning.max_rollouts.is_some_and(|max| max < least) {
             let help = format!(
-                "at least {least}: one motion before learning, {} of the first update, one after it",
-                learning.rollouts
+                "at least {least}: one motion before learning, {} of the first update, one after it{}",
+                learning.rollouts,
+                if self.task.is_random() { ", each once for every draw" } else { "" }
             );
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }

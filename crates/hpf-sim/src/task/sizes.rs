@@ -8,9 +8,12 @@
 //! rows of learning           12 updates
 //! samples                    K P, or K S P where they change from step to step
 //! parameters against signals P G    of Gauss-Newton: rollouts kept, the response
-//! parameters squared         P P    of Gauss-Newton: curvature, doubt, price
+//! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
+//! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
 //! draws                      4 A S  for every draw: forces, readings
 //! ```
+//! The learner keeps the functions of a block, and the rollouts, in packs of 8 numbers: where there are fewer, it needs as
+//! much as for 8.
 
 use super::{ExplorationKind, MAX_NUMBERS, Method, PerAxis, Preset, Task};
 
@@ -19,6 +22,8 @@ pub const MAX_MEMORY: f64 = 4e9;
 
 /// Numbers of a row of `learning.csv`.
 const ROW: f64 = 12.0;
+/// Numbers that the learner works on together.
+const PACK: usize = 8;
 /// Signals of an axis in a trajectory.
 const SIGNALS: f64 = 7.0;
 /// Numbers that one axis meets in a step: forces at both its ends, the error of a reading, whether it is lost.
@@ -63,17 +68,24 @@ impl Task {
         let (steps, axes, rollouts) = (self.step_numbers(), self.axis.len() as f64, learning.rollouts as f64);
         let functions = [self.movement.basis, self.stiffness.basis, self.damping.basis];
         let parameters = axes * functions.iter().map(|basis| basis.count() as f64).sum::<f64>();
+        let packed = axes * functions.iter().map(|basis| basis.count().next_multiple_of(PACK) as f64).sum::<f64>();
+        let packed_rollouts = learning.rollouts.next_multiple_of(PACK) as f64;
         let trajectory = SIGNALS * axes * steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
         let mut tables = vec![
-            table("rate", "parameters at every step", steps * parameters, 6.0),
+            table("rate", "parameters at every step", steps * parameters, 4.0 + 2.0 * packed / parameters),
             table(
                 "output.snapshots",
                 "signals of every kept trajectory",
                 trajectory * (1.0 + self.output.snapshots.len() as f64),
                 1.0,
             ),
-            table("learning.rollouts", "costs of every rollout and step", steps * rollouts, 2.0),
+            table(
+                "learning.rollouts",
+                "costs of every rollout and step",
+                steps * rollouts,
+                1.0 + 2.0 * packed_rollouts / rollouts,
+            ),
             table("learning.updates", "rows of learning", ROW * learning.updates as f64, 4.0),
             table("learning.draws", "what all draws meet", MET * axes * steps * self.draws() as f64, 1.0),
         ];
@@ -88,6 +100,21 @@ impl Task {
             } else {
                 table("learning.rollouts", "samples of every rollout and parameter", rollouts * parameters, 1.0)
             });
+            let elite = steps + if changes { steps * parameters } else { parameters };
+            tables.push(table(
+                "learning.elites",
+                "rollouts kept for updates to come",
+                learning.elites as f64 * elite,
+                3.0,
+            ));
+        } else if learning.method == Method::CmaEs {
+            tables.push(table(
+                "learning.rollouts",
+                "samples of every rollout and parameter",
+                rollouts * parameters,
+                2.0,
+            ));
+            tables.push(table("movement.basis", "parameters against parameters", parameters * parameters, 8.0));
         } else {
             let weighs = |weight: &PerAxis| weight.values().iter().any(|&weight| weight > 0.0);
             let by_step = axes * f64::from(u8::from(weighs(&cost.acceleration)))

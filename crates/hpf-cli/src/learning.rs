@@ -1,0 +1,229 @@
+//! Learning a task into a folder, from its beginning or from where it was broken off.
+
+use core::fmt::Display;
+use core::time::Duration;
+use std::fs;
+use std::time::Instant;
+
+use hpf_learn::{Driver, History, LearnError, Problem, Progress, Session, Stop};
+use hpf_sim::task::{Environment, Task};
+use hpf_sim::{Metric, Policy, Simulation, Trace};
+
+use crate::checkpoint::Checkpoint;
+use crate::directory::{CHECKPOINT, Unfinished};
+use crate::failure::Failure;
+use crate::files::{LoadedTask, sha256, while_writing};
+use crate::interrupt;
+use crate::log::{Head, Log};
+use crate::process::Process;
+use crate::progress::{Meter, tell};
+use crate::results::{LearningRow, Run};
+use crate::start::{self, START};
+
+/// The log while learning goes on.
+const LOG: &str = "log.mcap.partial";
+
+/// What learning came to.
+pub struct Learned {
+    /// All that is kept of it.
+    pub run: Run,
+    /// How it went.
+    pub history: History,
+    /// Measures of its motion.
+    pub metrics: Vec<Metric>,
+    /// Wall time, of this session if there were several.
+    pub time: Duration,
+    /// Why learning broke off, if it did.
+    pub failure: Option<String>,
+    /// Whether its motion is only as planned, because hpf has not seen the one that was made.
+    is_planned: bool,
+}
+
+/// The evaluations so far, and what is kept of them.
+struct Kept<'l> {
+    task: &'l Task,
+    simulation: &'l Simulation,
+    rows: Vec<LearningRow>,
+    snapshots: Vec<(usize, Trace)>,
+}
+
+impl Kept<'_> {
+    fn take(&mut self, progress: &Progress) -> &LearningRow {
+        if self.task.output.snapshots.contains(&progress.update) {
+            self.snapshots.push((progress.update, self.simulation.rollout(&progress.weights)));
+        }
+        self.rows.push(LearningRow::from(progress));
+        self.rows.last().expect("one was added")
+    }
+}
+
+/// Learns the task of `loaded` in `folder`, from its checkpoint where there is one. Each batch is in the checkpoint, and
+/// each update in the log, before the next begins.
+///
+/// # Errors
+/// [`Failure`] where the task cannot be learned, or the folder not be written.
+pub fn learn(loaded: &LoadedTask, folder: &mut Unfinished, quiet: bool) -> Result<Learned, Failure> {
+    let task = &loaded.task;
+    let named = folder.path(START);
+    let start = start::policy(task, named.is_file().then_some(named.as_path()))?;
+    let simulation = Simulation::new(&task.as_planned(), &start).map_err(|error| bad_task(task, &error))?;
+    let weights = simulation.starting_weights(&start).map_err(|error| bad_task(task, &error))?;
+    let start = start.with_weights(&weights);
+    let mut learned = match &task.environment {
+        None => learn_in(&simulation, &simulation, (loaded, &start), folder, quiet, &|| None)?,
+        Some(Environment::Process(settings)) => {
+            let process = Process::start(settings, task, &start, &simulation)?;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(process.workers()).build();
+            let pool = pool.map_err(|error| Failure::Work(format!("cannot start threads: {error}")))?;
+            let failure = || process.failure();
+            let mut learned =
+                pool.install(|| learn_in(&process, &simulation, (loaded, &start), folder, quiet, &failure))?;
+            if process.leaves_traces() && !learned.is_open() && learned.failure.is_none() {
+                learned.run.trajectory = process.motion(&learned.history.best.weights)?;
+                learned.history.rollouts += 1;
+            } else {
+                learned.is_planned = true;
+            }
+            learned
+        }
+    };
+    learned.metrics = match &task.environment {
+        None => simulation.evaluate(&learned.history.best.weights).1,
+        Some(_) => simulation.metrics(&learned.run.trajectory),
+    };
+    if learned.is_planned {
+        // Of a motion that was only planned, the gains are all that can be measured.
+        let is_gain = |metric: &Metric| ["stiffness", "damping"].iter().any(|name| metric.name.starts_with(name));
+        learned.metrics.retain(is_gain);
+    }
+    Ok(learned)
+}
+
+fn bad_task(task: &Task, error: &dyn Display) -> Failure {
+    Failure::Input(format!("{}: {error}", task.name))
+}
+
+/// Learns `problem`, whose motions as planned are those of `simulation`, until it is over, interrupted, or `failure` says
+/// that no more motions can be made.
+fn learn_in<P: Problem>(
+    problem: &P,
+    simulation: &Simulation,
+    (loaded, start): (&LoadedTask, &Policy),
+    folder: &mut Unfinished,
+    quiet: bool,
+    failure: &dyn Fn() -> Option<String>,
+) -> Result<Learned, Failure> {
+    let task = &loaded.task;
+    let session = Session::begin(problem, start.weights(), &task.learning.method(), task.learning.max_rollouts);
+    let mut session = session.map_err(|error| bad_task(task, &error))?;
+    let mut kept = Kept { task, simulation, rows: Vec::new(), snapshots: Vec::new() };
+    let mut checkpoint = restore(loaded, folder, &mut session, &mut kept)?;
+    let first_policy = start.to_json();
+    let mut log = log_so_far(&Head::new(task, &loaded.text, &first_policy), &kept.rows, folder)?;
+    let log_path = folder.path(LOG);
+
+    interrupt::watch();
+    let mut meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, quiet);
+    let started = Instant::now();
+    let mut driver = Driver::new(problem);
+    let mut broken = None;
+    while !(interrupt::is_asked() && session.is_evaluated()) {
+        let told = driver.step(&mut session);
+        if let Some(why) = failure() {
+            return Err(Failure::Work(why));
+        }
+        let told = match told {
+            Ok(Some(told)) => told,
+            Ok(None) => break,
+            Err(LearnError::Update { reason, history }) => {
+                broken = Some((reason.to_string(), *history));
+                break;
+            }
+            Err(refused) => return Err(bad_task(task, &refused)),
+        };
+        if let Some(progress) = &told.progress {
+            meter.show(progress);
+            let row = kept.take(progress);
+            log.update(row).map_err(while_writing(&log_path))?;
+        }
+        checkpoint.append(&told.record)?;
+        folder.keep_for_resume();
+    }
+    let time = started.elapsed();
+    meter.finish();
+
+    let (failure, history) = match broken {
+        Some((reason, history)) => (Some(reason), history),
+        None => (None, session.history()),
+    };
+    let mut policy = start.clone().with_weights(&history.best.weights);
+    policy.provenance.task_sha256 = sha256(&loaded.text);
+    policy.provenance.updates = history.best.update;
+    policy.provenance.cost = history.best.total;
+    let trajectory = simulation.rollout(&history.best.weights);
+    let Kept { rows, snapshots, .. } = kept;
+    let run = Run { task: task.clone(), policy, learning: rows, trajectory, snapshots };
+    Ok(Learned { run, history, metrics: Vec::new(), time, failure, is_planned: false })
+}
+
+/// Brings `session` to where the checkpoint of the folder is; begins one where there is none.
+fn restore(
+    loaded: &LoadedTask,
+    folder: &mut Unfinished,
+    session: &mut Session,
+    kept: &mut Kept<'_>,
+) -> Result<Checkpoint, Failure> {
+    let path = folder.path(CHECKPOINT);
+    let task = sha256(&loaded.text);
+    if !path.is_file() {
+        let checkpoint = Checkpoint::create(&path, &task)?;
+        folder.ready()?;
+        return Ok(checkpoint);
+    }
+    let (checkpoint, damaged) = Checkpoint::open(&path, &task, |record| {
+        let progress = session.replay(&record);
+        let progress = progress.map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+        if let Some(progress) = &progress {
+            kept.take(progress);
+        }
+        Ok(())
+    })?;
+    if damaged > 0 {
+        let update = session.history().updates;
+        let what = "the motions after that are made again";
+        tell(&format!("{}: the last {damaged} bytes, after update {update}, are damaged; {what}", path.display()));
+    }
+    Ok(checkpoint)
+}
+
+/// The log of learning with the updates so far: under its own name only once they are all in it.
+fn log_so_far(head: &Head<'_>, rows: &[LearningRow], folder: &Unfinished) -> Result<Log, Failure> {
+    let (own, begun) = (folder.path(LOG), folder.path("log.mcap.partial.begun"));
+    let write = || {
+        let mut log = Log::create(&begun, head)?;
+        rows.iter().try_for_each(|row| log.update(row))?;
+        fs::rename(&begun, &own)?;
+        Ok(log)
+    };
+    write().map_err(while_writing::<std::io::Error>(&own))
+}
+
+impl Learned {
+    /// Whether it was interrupted and can go on.
+    pub fn is_open(&self) -> bool {
+        self.failure.is_none() && self.history.stop == Stop::Asked
+    }
+
+    /// Why it ended, for the summary.
+    pub fn stopped_because(&self, task: &Task) -> String {
+        match (&self.failure, self.history.stop) {
+            (Some(reason), _) => reason.clone(),
+            (None, Stop::Updates) => "all updates were made".into(),
+            (None, Stop::Rollouts) => {
+                format!("the next update would pass max_rollouts = {}", task.learning.max_rollouts.unwrap_or_default())
+            }
+            (None, Stop::Asked) => "it was interrupted".into(),
+            (None, Stop::Settled(reason)) => reason.to_string(),
+        }
+    }
+}

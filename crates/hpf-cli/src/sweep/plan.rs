@@ -1,0 +1,222 @@
+//! Which runs a sweep has: settings times seeds, and a directory for each.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::Sweep;
+use crate::failure::Failure;
+use crate::files::sha256;
+use crate::trial::Prepared;
+
+/// Most runs of one sweep.
+const MOST_RUNS: usize = 10_000;
+/// Longest name of the directory of a setting; longer ones are cut, and told apart by a hash.
+const LONGEST_NAME: usize = 100;
+
+/// A key that is varied.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factor {
+    /// The key's path in the task.
+    pub key: String,
+    /// Its values, as TOML.
+    pub values: Vec<String>,
+}
+
+/// One combination of values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// A value for each factor.
+    pub values: Vec<String>,
+    /// The whole of it as `key=value, ...`; empty where nothing is varied.
+    pub name: String,
+}
+
+/// One run.
+pub struct Job {
+    /// Which setting.
+    pub setting: usize,
+    /// Its seed.
+    pub seed: u64,
+    /// Its directory inside that of the sweep.
+    pub directory: PathBuf,
+    /// The task as it will run.
+    pub prepared: Prepared,
+}
+
+/// Everything that is to be learned.
+pub struct Plan {
+    /// Name of the task.
+    pub task: String,
+    /// What is varied.
+    pub factors: Vec<Factor>,
+    /// Every combination, the last factor varying fastest.
+    pub settings: Vec<Setting>,
+    /// Seeds, in order.
+    pub seeds: Vec<u64>,
+    /// Settings times seeds, in that order.
+    pub jobs: Vec<Job>,
+}
+
+impl Plan {
+    /// The plan that the arguments ask for; `first` is the first seed, where it is not the task's.
+    ///
+    /// # Errors
+    /// [`Failure`] for values that cannot be, before anything is learned.
+    pub fn new(options: &Sweep, first: Option<u64>) -> Result<Self, Failure> {
+        let base = Prepared::read(&options.task, &options.set)?.loaded.task;
+        let factors = options.vary.iter().map(|text| factor(text)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(twice) = (1..factors.len()).find(|i| factors[..*i].iter().any(|one| one.key == factors[*i].key)) {
+            let message =
+                format!("--vary {}: the key is varied already, name all its values at once", factors[twice].key);
+            return Err(Failure::Input(message));
+        }
+        let first = first.unwrap_or(base.learning.seed);
+        let last = first.checked_add(u64::from(options.seeds) - 1).filter(|last| *last <= i64::MAX as u64);
+        let last = last.ok_or_else(|| {
+            Failure::Input(format!("{} seeds from {first} on pass the largest seed, {}", options.seeds, i64::MAX))
+        })?;
+        let seeds: Vec<u64> = (first..=last).collect();
+        let runs = factors.iter().map(|factor| factor.values.len()).try_fold(seeds.len(), usize::checked_mul);
+        if runs.is_none_or(|runs| runs > MOST_RUNS) {
+            return Err(Failure::Input(format!(
+                "the grid has more than {MOST_RUNS} runs, which is the most a sweep makes"
+            )));
+        }
+        let settings = settings(&factors);
+        let mut jobs = Vec::new();
+        for (index, setting) in settings.iter().enumerate() {
+            for &seed in &seeds {
+                let mut changes = options.set.clone();
+                changes.extend(
+                    factors.iter().zip(&setting.values).map(|(factor, value)| format!("{}={value}", factor.key)),
+                );
+                changes.push(format!("learning.seed={seed}"));
+                let prepared = Prepared::read(&options.task, &changes).map_err(|failure| {
+                    failure.with(&format!("this is one of the runs that --vary asks for: {}", setting.name))
+                })?;
+                let directory = Path::new("runs").join(directory(setting)).join(format!("seed-{seed}"));
+                jobs.push(Job { setting: index, seed, directory, prepared });
+            }
+        }
+        Ok(Self { task: base.name, factors, settings, seeds, jobs })
+    }
+
+    /// What figures call a setting: the last parts of its keys, where they tell the keys apart.
+    pub fn label(&self, setting: &Setting) -> String {
+        let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
+        let mut lasts: Vec<String> = self.factors.iter().map(|factor| last(&factor.key)).collect();
+        lasts.sort();
+        lasts.dedup();
+        let brief = lasts.len() == self.factors.len();
+        let name = |factor: &Factor| if brief { last(&factor.key) } else { factor.key.clone() };
+        let parts =
+            self.factors.iter().zip(&setting.values).map(|(factor, value)| format!("{} = {value}", name(factor)));
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// What tells a setting from the others, briefly: its values.
+    pub fn short_name(&self, setting: &Setting) -> String {
+        if setting.values.is_empty() { self.task.clone() } else { setting.values.join(" / ") }
+    }
+}
+
+/// The directory of a setting: its name with signs that every file system takes.
+fn directory(setting: &Setting) -> String {
+    let plain = |sign: char| if sign.is_ascii_alphanumeric() || "._-+=,".contains(sign) { sign } else { '-' };
+    let name: String = setting.name.replace(", ", ",").chars().map(plain).collect();
+    if name == setting.name.replace(", ", ",") && name.len() <= LONGEST_NAME {
+        return name;
+    }
+    let cut: String = name.chars().take(LONGEST_NAME).collect();
+    format!("{cut}-{}", &sha256(&setting.name)[..8])
+}
+
+/// Every combination of the values of `factors`.
+fn settings(factors: &[Factor]) -> Vec<Setting> {
+    let mut combinations: Vec<Vec<String>> = vec![Vec::new()];
+    for factor in factors {
+        let extended = combinations.iter().flat_map(|before| {
+            factor.values.iter().map(|value| before.iter().cloned().chain([value.clone()]).collect::<Vec<_>>())
+        });
+        combinations = extended.collect();
+    }
+    let named = combinations.into_iter().map(|values| {
+        let parts: Vec<String> =
+            factors.iter().zip(&values).map(|(factor, value)| format!("{}={value}", factor.key)).collect();
+        Setting { name: parts.join(", "), values }
+    });
+    named.collect()
+}
+
+/// Reads `key.path=value,value,...`.
+fn factor(text: &str) -> Result<Factor, Failure> {
+    let wrong = |why: &str| Err(Failure::Input(format!("--vary {text}: {why}")));
+    let Some((key, values)) = text.split_once('=') else {
+        return wrong("write it as key.path=value,value, such as learning.noise.movement=10,30,100");
+    };
+    let key = key.trim();
+    if key == "learning.seed" {
+        return wrong("seeds are varied with --seeds, from --seed on");
+    }
+    let values: Vec<String> = split(values).into_iter().map(|value| value.trim().to_owned()).collect();
+    if values.iter().any(String::is_empty) {
+        return wrong("a value is missing");
+    }
+    if let Some(twice) = (1..values.len()).find(|i| values[..*i].contains(&values[*i])) {
+        return wrong(&format!("the value {} is named twice", values[twice]));
+    }
+    Ok(Factor { key: key.to_owned(), values })
+}
+
+/// `text` cut at the commas that stand in no list, table or string.
+fn split(text: &str) -> Vec<&str> {
+    let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_i32, None);
+    for (at, sign) in text.char_indices() {
+        match (quote, sign) {
+            (Some(open), _) if sign == open => quote = None,
+            (Some(_), _) => {}
+            (None, '"' | '\'') => quote = Some(sign),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') => depth -= 1,
+            (None, ',') if depth == 0 => {
+                parts.push(&text[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&text[start..]);
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_cut_at_commas_outside_of_lists_tables_and_texts() {
+        assert_eq!(split("10,30,100"), ["10", "30", "100"]);
+        assert_eq!(split("[0.6,0.8],[0.5, 0.9]"), ["[0.6,0.8]", "[0.5, 0.9]"]);
+        assert_eq!(split("{ a = 1, b = 2 },\"x,y\",'z,'"), ["{ a = 1, b = 2 }", "\"x,y\"", "'z,'"]);
+    }
+
+    #[test]
+    fn settings_are_every_combination_and_none_is_one() {
+        let factor = |key: &str, values: &[&str]| Factor {
+            key: key.into(),
+            values: values.iter().map(|value| (*value).to_owned()).collect(),
+        };
+        let names = |factors: &[Factor]| settings(factors).into_iter().map(|setting| setting.name).collect::<Vec<_>>();
+        let grid = names(&[factor("a", &["1", "2"]), factor("b", &["x", "y"])]);
+        assert_eq!(grid, ["a=1, b=x", "a=1, b=y", "a=2, b=x", "a=2, b=y"]);
+        assert_eq!(names(&[]), [""]);
+    }
+
+    #[test]
+    fn directories_are_plain_and_never_shared() {
+        let of = |name: &str| directory(&Setting { values: Vec::new(), name: name.into() });
+        assert_eq!(of("learning.noise.movement=10, rate=50"), "learning.noise.movement=10,rate=50");
+        let (one, other) = (of("v=[1, 2]"), of("v={1, 2}"));
+        assert!(one != other && one.starts_with("v=-1,2--"), "{one} {other}");
+        assert!(of(&"x".repeat(300)).len() < 120);
+    }
+}

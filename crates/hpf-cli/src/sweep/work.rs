@@ -1,0 +1,104 @@
+//! Learning the runs that are not there yet: several at once, each as it would be learned alone.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+
+use serde_json::{Value, json};
+
+use super::plan::{Job, Plan};
+use crate::failure::Failure;
+use crate::files::sha256;
+use crate::interrupt;
+use crate::progress::Tally;
+use crate::side_by_side::side_by_side;
+use crate::trial::{self, Broken};
+
+/// What became of the runs of a plan.
+pub struct Done {
+    /// For each run, why it failed, if it did.
+    pub failures: Vec<Option<String>>,
+    /// Runs that were there before.
+    pub kept: usize,
+    /// Whether Ctrl-C came.
+    pub interrupted: bool,
+}
+
+/// What stands where a run belongs.
+enum Standing {
+    /// Nothing that is to be kept.
+    Nothing,
+    /// The same run, finished.
+    Finished,
+    /// Something else.
+    Other,
+}
+
+/// Looks for the run of `job` in `folder`. It is finished where the same task, tables included, left its summary last.
+fn standing(job: &Job, folder: &Path, full: bool) -> Standing {
+    let directory = folder.join(&job.directory);
+    if !directory.exists() {
+        return Standing::Nothing;
+    }
+    let summary = fs::read_to_string(directory.join("summary.json")).unwrap_or_default();
+    let summary: Value = serde_json::from_str(&summary).unwrap_or_default();
+    let same_tables = job
+        .prepared
+        .tables
+        .iter()
+        .all(|table| fs::read_to_string(directory.join(&table.name)).is_ok_and(|text| text == table.csv));
+    let policy = fs::read_to_string(directory.join("policy.json")).unwrap_or_default();
+    let same = summary["format"] == json!("hpf-summary")
+        && summary["version"] == json!(1)
+        && summary["task_sha256"] == json!(sha256(&job.prepared.loaded.text))
+        && summary["policy_sha256"] == json!(sha256(&policy));
+    match same && same_tables {
+        false => Standing::Other,
+        // What is kept of a light run is not enough: it is learned again, to the same bytes.
+        true if full && !directory.join("log.mcap").exists() => Standing::Nothing,
+        true => Standing::Finished,
+    }
+}
+
+/// Learns every run of `plan` that is not finished in `folder`; with `force`, every run.
+///
+/// # Errors
+/// [`Failure::Input`] where other results are in the way and `force` is not given, before anything is learned.
+pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: bool) -> Result<Done, Failure> {
+    let mut waiting = Vec::new();
+    for (index, job) in plan.jobs.iter().enumerate() {
+        match standing(job, folder, full) {
+            Standing::Finished if !force => {}
+            Standing::Other if !force => {
+                return Err(Failure::Input(format!(
+                    "{} holds a run of another task and is left as it is; pass --force to learn all runs again, or --out \
+                     to write elsewhere",
+                    folder.join(&job.directory).display()
+                )));
+            }
+            _ => waiting.push(index),
+        }
+    }
+    let kept = plan.jobs.len() - waiting.len();
+    let failures = Mutex::new(vec![None; plan.jobs.len()]);
+    let tally = Mutex::new(Tally::new(&plan.task, plan.jobs.len(), kept, quiet));
+    side_by_side(waiting.len(), |index| {
+        let index = waiting[index];
+        let job = &plan.jobs[index];
+        let failure = match learn(job, folder, full) {
+            Err(Broken::Interrupted) => return,
+            Err(Broken::Failed(why)) => Some(why),
+            Ok(()) => None,
+        };
+        tally.lock().expect("no worker panics").count(job.directory.display(), failure.as_deref());
+        failures.lock().expect("no worker panics")[index] = failure;
+    })?;
+    tally.into_inner().expect("no worker panics").finish();
+    let failures = failures.into_inner().expect("no worker panics");
+    Ok(Done { failures, kept, interrupted: interrupt::is_asked() })
+}
+
+fn learn(job: &Job, folder: &Path, full: bool) -> Result<(), Broken> {
+    let trial = trial::learn(&job.prepared.loaded)?;
+    Ok(trial::save(&trial, &job.prepared, full, &folder.join(&job.directory))?)
+}

@@ -1,0 +1,497 @@
+//! Learning as a conversation: ask what to roll out, tell what came of it, and stop or go on wherever you are.
+//!
+//! ```text
+//! pi2:                 start, then (batch, evaluation) for each update
+//! gauss-newton, auto:  batches; their first motion is the start, and each is an evaluation
+//! cma-es:              start, then a batch for each update, each motion an evaluation
+//! ```
+//! Where a problem has draws ([`Problem::motions`] above 1), what a motion of a batch cost is what it cost under the
+//! draws it learned from: the start, and the cheapest motion of each update, are then rolled out once more under those
+//! held out, and these are the evaluations.
+//!
+//! A session is a function of its settings and of the [`Record`]s it was told: replayed, it is in the same state to the
+//! bit, for random numbers come from (seed, update, rollout) and not from a generator that runs along.
+
+use crate::auto::{FallBack, Patience, on_roots, roots};
+use crate::drive::constant;
+use crate::elites::{choose, join};
+use crate::record::{Price, Record};
+use crate::{
+    Batch, CmaEs, Cost, Draws, Elite, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
+    Problem, Progress, Settled, Stop,
+};
+
+/// What to roll out next.
+#[derive(Debug)]
+pub struct Ask<'s> {
+    /// Under which circumstances.
+    pub draws: Draws,
+    /// With which parameters, a motion each.
+    pub samples: Vec<Parameters<'s>>,
+    /// Whether the motions' signals are needed, or their costs alone.
+    pub wants_signals: bool,
+}
+
+/// What came of telling.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// What to keep in order to come back to this state.
+    pub record: Record,
+    /// The evaluation, where one was complete: the start, or an update.
+    pub progress: Option<Progress>,
+}
+
+/// A run of learning, wherever it stands.
+///
+/// ```
+/// use hpf_learn::{Block, Cost, Method, Parameters, Pi2Options, Problem, Session, Draws};
+/// // A parabola; anything that can tell a cost may stand in its place: `Problem` only says what the parameters are.
+/// struct Parabola(Vec<Block>);
+/// impl Problem for Parabola {
+///     type Workspace = ();
+///     fn blocks(&self) -> &[Block] { &self.0 }
+///     fn steps(&self) -> usize { 1 }
+///     fn terms(&self) -> &[&'static str] { &["height"] }
+///     fn workspace(&self) {}
+///     fn rollout(&self, _: Draws, _: Parameters<'_>, _: &mut (), _: &mut Cost) { unreachable!("made elsewhere") }
+/// }
+/// let block = Block {
+///     name: "w".into(), count: 1, features: vec![1.0], activations: vec![1.0], min: 0.0, max: 10.0, noise: 1.0,
+/// };
+/// let (problem, method) = (Parabola(vec![block]), Method::Pi2(Pi2Options::default()));
+/// let mut session = Session::begin(&problem, vec![1.0], &method, None)?;
+/// let mut records = Vec::new();
+/// while let Some(ask) = session.ask() {
+///     let height = |w: f64| Cost { running: vec![(w - 3.0) * (w - 3.0)], terminal: 0.0, terms: vec![(w - 3.0) * (w - 3.0)] };
+///     let costs: Vec<Cost> = ask.samples.iter().map(|sample| height(sample.at(0)[0])).collect();
+///     records.push(session.tell(&costs, &[])?.record);
+/// }
+/// assert!((session.history().best.weights[0] - 3.0).abs() < 0.01);
+///
+/// // Told the same again, another session is where this one is.
+/// let mut again = Session::begin(&problem, vec![1.0], &method, None)?;
+/// records.iter().try_for_each(|record| again.replay(record).map(drop))?;
+/// assert_eq!(again.history(), session.history());
+/// # Ok::<(), hpf_learn::LearnError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Session {
+    stage: Stage,
+    due: Due,
+    /// The samples of PI2 that are rolled out.
+    batch: Option<Batch>,
+    /// The batch before, for its room.
+    spare: Batch,
+    history: History,
+    /// Rollouts that take part in the next update of PI2 again, and how many there are at most.
+    elites: Vec<Elite>,
+    most_elites: usize,
+    /// The cheapest motion of the running update, where motions are evaluations.
+    cheapest: Option<(Vec<f64>, Price)>,
+    over: Option<Stop>,
+    updates: usize,
+    /// Rollouts of a batch.
+    rollouts: usize,
+    max_rollouts: usize,
+    /// Motions per rollout.
+    motions: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Stage {
+    Pi2(Box<Pi2>),
+    /// Gauss-Newton: on signals, or on roots of costs with PI2 to fall back to.
+    Signals(Box<GaussNewton>, Option<FallBack>),
+    /// PI2 after the roots of costs.
+    Polish(Box<Pi2>, Patience),
+    CmaEs(Box<CmaEs>),
+}
+
+/// What is rolled out next.
+#[derive(Clone, Debug)]
+enum Due {
+    /// The start, to know what it costs.
+    Start,
+    /// What the method asks for.
+    Batch,
+    /// The outcome of an update.
+    Evaluation { weights: Vec<f64>, exploration: f64 },
+}
+
+impl Session {
+    /// Begins to learn `problem` from `weights` by `method`.
+    ///
+    /// # Errors
+    /// [`LearnError::NoSignals`] where the method needs signals that the problem does not measure,
+    /// [`LearnError::RandomElites`] where it keeps costs that are random.
+    pub fn begin<P: Problem>(
+        problem: &P,
+        weights: Vec<f64>,
+        method: &Method,
+        max_rollouts: Option<usize>,
+    ) -> Result<Self, LearnError> {
+        let (blocks, steps) = (problem.blocks(), problem.steps());
+        let start = weights.clone();
+        let mut notes = Vec::new();
+        let signals = |options, weights| {
+            let model = problem.signals().ok_or(LearnError::NoSignals)?;
+            Ok(Stage::Signals(Box::new(GaussNewton::new(blocks, model, weights, options)), None))
+        };
+        let most_elites = if let Method::Pi2(options) = method { options.elites } else { 0 };
+        if most_elites > 0 && problem.motions() > 1 {
+            return Err(LearnError::RandomElites);
+        }
+        let stage = match *method {
+            Method::Pi2(options) => Stage::Pi2(Box::new(Pi2::new(blocks, steps, weights, options))),
+            Method::CmaEs(options) => Stage::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
+            Method::GaussNewton(options) => signals(options, weights)?,
+            Method::Auto(options) if problem.signals().is_some() => signals(options.signals(), weights)?,
+            Method::Auto(options) => {
+                notes.push(Note::NoSignals);
+                let fall_back = FallBack { blocks: blocks.to_vec(), steps, options };
+                Stage::Signals(Box::new(on_roots(blocks, steps, weights, options)), Some(fall_back))
+            }
+        };
+        let exploration = if let Stage::Pi2(learner) = &stage { learner.exploration() } else { 1.0 };
+        let initial =
+            Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
+        let motions = problem.motions().max(1);
+        let due = if motions == 1 && matches!(stage, Stage::Signals(..)) { Due::Batch } else { Due::Start };
+        let history =
+            History { best: initial.clone(), initial, updates: 0, rollouts: 0, rejected: 0, stop: Stop::Asked, notes };
+        Ok(Self {
+            stage,
+            due,
+            batch: None,
+            spare: Batch::default(),
+            elites: Vec::new(),
+            most_elites,
+            history,
+            cheapest: None,
+            over: None,
+            updates: method.updates(),
+            rollouts: method.rollouts(),
+            max_rollouts: max_rollouts.unwrap_or(usize::MAX),
+            motions,
+        })
+    }
+
+    /// What to roll out next; `None` where learning is over. The same until something is told.
+    pub fn ask(&mut self) -> Option<Ask<'_>> {
+        let room = self.room();
+        let (draws, samples, wants_signals) = match (&self.due, &self.stage) {
+            (Due::Start, _) => (Draws::HeldOut, vec![Parameters::Constant(&self.history.initial.weights)], false),
+            (Due::Evaluation { weights, .. }, _) => (Draws::HeldOut, vec![Parameters::Constant(weights)], false),
+            (Due::Batch, _) if self.over.is_some() => return None,
+            (Due::Batch, Stage::Pi2(learner) | Stage::Polish(learner, _)) => {
+                let batch = self.batch.get_or_insert_with(|| {
+                    let mut batch = core::mem::take(&mut self.spare);
+                    learner.ask_into(&mut batch);
+                    batch
+                });
+                let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
+                (Draws::Update(learner.update()), samples, false)
+            }
+            (Due::Batch, Stage::Signals(learner, fall_back)) => {
+                let samples = learner.ask();
+                // The response needs fixed draws: it is learned from differences between updates too.
+                (Draws::Update(0), constant(&samples[..samples.len().min(room)]), fall_back.is_none())
+            }
+            (Due::Batch, Stage::CmaEs(learner)) => (Draws::Update(learner.update()), constant(learner.ask()), false),
+        };
+        Some(Ask { draws, samples, wants_signals })
+    }
+
+    /// Rollouts that may yet be made for batches, at least one.
+    fn room(&self) -> usize {
+        let left = self.max_rollouts.saturating_sub(self.history.rollouts) / self.motions;
+        left.saturating_sub(usize::from(self.is_judged())).max(1)
+    }
+
+    /// Whether the outcome of an update is rolled out once more.
+    fn is_judged(&self) -> bool {
+        self.motions > 1 || matches!(self.stage, Stage::Pi2(_))
+    }
+
+    /// Takes what came of the samples of [`Session::ask`], in their order: a cost each, and where they were asked for
+    /// the signals of each.
+    ///
+    /// # Errors
+    /// [`LearnError::BadStart`] where the start costs no finite amount, [`LearnError::Update`] where no sample of an
+    /// update does.
+    ///
+    /// # Panics
+    /// Where something else was asked for: another number of samples, or signals that are not there.
+    pub fn tell(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<Told, LearnError> {
+        let (asked, wants_signals) = self.ask().map_or((0, false), |ask| (ask.samples.len(), ask.wants_signals));
+        assert_eq!(costs.len(), asked, "one cost for each sample asked for");
+        assert!(!wants_signals || signals.len() == asked, "the signals of each sample asked for");
+        let prices = || costs.iter().map(Price::from).collect();
+        let record = match (&self.due, &self.stage) {
+            (Due::Batch, Stage::Pi2(_) | Stage::Polish(..)) => self.update(costs)?,
+            (Due::Batch, Stage::Signals(..)) => {
+                let signals_of = |(k, cost): (usize, &Cost)| match wants_signals {
+                    false => roots(cost),
+                    true if cost.total().is_finite() => signals[k].clone(),
+                    // A rollout may fail without a signal that says so.
+                    true => vec![f64::NAN; signals[k].len()],
+                };
+                let signals = costs.iter().enumerate().map(signals_of).collect();
+                Record::Signals { prices: prices(), signals }
+            }
+            _ => Record::Costs(prices()),
+        };
+        let progress = self.replay(&record)?;
+        Ok(Told { record, progress })
+    }
+
+    /// Tells PI2 what its batch cost.
+    fn update(&mut self, costs: &[Cost]) -> Result<Record, LearnError> {
+        let batch = self.batch.take().expect("a batch was asked for");
+        let (learner, exploration, are_evaluations) = match &mut self.stage {
+            Stage::Pi2(learner) => {
+                let exploration = learner.exploration();
+                (learner, exploration, false)
+            }
+            Stage::Polish(learner, _) => {
+                let exploration = learner.spread().iter().fold(0.0, |most: f64, spread| most.max(*spread));
+                (learner, exploration, true)
+            }
+            _ => unreachable!("only PI2 has a batch"),
+        };
+        let is_any_finite = costs.iter().any(|cost| cost.total().is_finite());
+        let (told, elites) = if self.most_elites > 0 && is_any_finite {
+            let (joined, costs) = join(&self.elites, &batch, costs);
+            (learner.tell(&joined, &costs), choose(self.most_elites, &joined, &costs))
+        } else {
+            (learner.tell(&batch, costs), Vec::new())
+        };
+        let rejected = match told {
+            Ok(rejected) => rejected,
+            Err(reason) => return Err(self.failed(reason)),
+        };
+        let cheapest = || {
+            let offers = costs.iter().enumerate().filter(|(_, cost)| cost.total().is_finite());
+            let best = offers.min_by(|a, b| a.1.total().total_cmp(&b.1.total()))?;
+            Some((batch.sample(best.0).at(0).to_vec(), Price::from(best.1)))
+        };
+        let record = Record::Update {
+            update: learner.update(),
+            weights: learner.weights().to_vec(),
+            spread: learner.spread().to_vec(),
+            exploration,
+            rejected,
+            cheapest: if are_evaluations { cheapest() } else { None },
+            elites,
+        };
+        self.spare = batch;
+        Ok(record)
+    }
+
+    fn failed(&self, reason: Pi2Error) -> LearnError {
+        let mut history = self.history();
+        history.rollouts += self.rollouts * self.motions;
+        history.rejected += self.rollouts;
+        LearnError::Update { reason, history: Box::new(history) }
+    }
+
+    /// Goes where `record` led before; the records of a session in their order lead to where it was.
+    ///
+    /// # Errors
+    /// [`LearnError::WrongRecord`] where another problem or method was recorded; otherwise as for [`Session::tell`].
+    pub fn replay(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
+        if self.over.is_some() {
+            return Err(LearnError::WrongRecord);
+        }
+        let progress = match (core::mem::replace(&mut self.due, Due::Batch), record) {
+            (Due::Start, Record::Costs(prices)) => Some(self.started(prices.first().ok_or(LearnError::WrongRecord)?)?),
+            (Due::Evaluation { weights, exploration }, Record::Costs(prices)) => {
+                let price = prices.first().ok_or(LearnError::WrongRecord)?;
+                self.history.rollouts += self.motions;
+                Some(self.evaluated(weights, price, exploration))
+            }
+            (Due::Batch, record) => self.learned(record)?,
+            _ => return Err(LearnError::WrongRecord),
+        };
+        self.look_ahead();
+        Ok(progress)
+    }
+
+    fn started(&mut self, price: &Price) -> Result<Progress, LearnError> {
+        if !price.total.is_finite() {
+            return Err(LearnError::BadStart);
+        }
+        let initial = &mut self.history.initial;
+        self.history.rollouts += self.motions;
+        initial.rollouts = self.motions;
+        (initial.total, initial.terms) = (price.total, price.terms.clone());
+        self.history.best = initial.clone();
+        Ok(initial.clone())
+    }
+
+    /// Keeps an evaluation.
+    fn evaluated(&mut self, weights: Vec<f64>, price: &Price, exploration: f64) -> Progress {
+        let progress = self.progress(weights, price, exploration);
+        if progress.total < self.history.best.total {
+            self.history.best = progress.clone();
+        }
+        progress
+    }
+
+    fn progress(&self, weights: Vec<f64>, price: &Price, exploration: f64) -> Progress {
+        let History { updates: update, rollouts, .. } = self.history;
+        Progress { update, rollouts, total: price.total, terms: price.terms.clone(), exploration, weights }
+    }
+
+    /// Takes the record of a batch.
+    fn learned(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
+        self.batch = None;
+        match (&mut self.stage, record) {
+            (
+                Stage::Pi2(learner) | Stage::Polish(learner, _),
+                Record::Update { update, weights, spread, exploration, rejected, cheapest, elites },
+            ) => {
+                if [weights, spread].iter().any(|list| list.len() != learner.weights().len()) {
+                    return Err(LearnError::WrongRecord);
+                }
+                learner.restore(*update, weights, spread);
+                self.elites.clone_from(elites);
+                let weights = weights.clone();
+                self.history.rollouts += self.rollouts * self.motions;
+                self.history.rejected += rejected;
+                if let Stage::Polish(..) = self.stage {
+                    self.cheapest.clone_from(cheapest);
+                    return Ok(self.end_update(*exploration));
+                }
+                self.history.updates += 1;
+                self.due = Due::Evaluation { weights, exploration: *exploration };
+                Ok(None)
+            }
+            (Stage::Signals(..), Record::Signals { prices, signals }) => self.answered(prices, signals),
+            (Stage::CmaEs(learner), Record::Costs(prices)) => {
+                if prices.len() != learner.ask().len() {
+                    return Err(LearnError::WrongRecord);
+                }
+                let costs: Vec<f64> = prices.iter().map(|price| price.total).collect();
+                let (exploration, samples) = (learner.exploration(), learner.ask().to_vec());
+                let rejected = match learner.tell(&costs) {
+                    Ok(rejected) => rejected,
+                    Err(reason) => return Err(self.failed(reason)),
+                };
+                self.history.rejected += rejected;
+                self.history.rollouts += prices.len() * self.motions;
+                self.offer(&samples, prices);
+                Ok(self.end_update(exploration))
+            }
+            _ => Err(LearnError::WrongRecord),
+        }
+    }
+
+    /// Takes the record of a batch of Gauss-Newton.
+    fn answered(&mut self, prices: &[Price], signals: &[Vec<f64>]) -> Result<Option<Progress>, LearnError> {
+        let Stage::Signals(learner, _) = &self.stage else { return Err(LearnError::WrongRecord) };
+        let count = prices.len();
+        let fits = (1..=learner.ask().len()).contains(&count)
+            && signals.len() == count
+            && signals.iter().all(|signals| signals.len() == learner.signals());
+        if !fits {
+            return Err(LearnError::WrongRecord);
+        }
+        let samples = learner.ask()[..count].to_vec();
+        let initial = if self.history.rollouts == 0 { Some(self.started(&prices[0])?) } else { None };
+        self.history.rollouts += (count - usize::from(initial.is_some())) * self.motions;
+        self.offer(&samples, prices);
+        let Stage::Signals(learner, _) = &mut self.stage else { unreachable!("matched above") };
+        let (update, reach, was_coupled) = (learner.update(), learner.reach(), learner.is_coupled());
+        self.history.rejected += learner.tell(signals);
+        if learner.is_coupled() && !was_coupled {
+            self.history.notes.push(Note::Coupled);
+        }
+        let is_updated = learner.update() > update;
+        Ok(if is_updated { self.end_update(reach) } else { initial })
+    }
+
+    fn offer(&mut self, samples: &[Vec<f64>], prices: &[Price]) {
+        for (sample, price) in samples.iter().zip(prices).filter(|(_, price)| price.total.is_finite()) {
+            if self.cheapest.as_ref().is_none_or(|(_, best)| price.total < best.total) {
+                self.cheapest = Some((sample.clone(), price.clone()));
+            }
+        }
+    }
+
+    /// Ends an update whose motions are evaluations, or of which the cheapest is yet to be evaluated.
+    fn end_update(&mut self, exploration: f64) -> Option<Progress> {
+        self.history.updates += 1;
+        let (weights, price) = self.cheapest.take()?;
+        if self.motions > 1 {
+            self.due = Due::Evaluation { weights, exploration };
+            return None;
+        }
+        Some(self.evaluated(weights, &price, exploration))
+    }
+
+    /// Finds out whether a batch is to follow, and of what.
+    fn look_ahead(&mut self) {
+        if !matches!(self.due, Due::Batch) {
+            return;
+        }
+        if let Stage::Signals(learner, _) = &self.stage
+            && let Some(reason) = learner.settled()
+        {
+            self.settle(reason);
+        }
+        let best = self.history.best.total;
+        if let Stage::Polish(learner, patience) = &mut self.stage
+            && patience.count(learner.update(), best)
+        {
+            self.over = Some(Stop::Settled(Settled::NothingImproves));
+        }
+        if self.over.is_none() {
+            let rollouts = if matches!(self.stage, Stage::Signals(..)) { 1 } else { self.rollouts };
+            let motions = (rollouts + usize::from(self.is_judged())) * self.motions;
+            if self.history.updates >= self.updates {
+                self.over = Some(Stop::Updates);
+            } else if self.history.rollouts + motions > self.max_rollouts {
+                self.over = Some(Stop::Rollouts);
+            }
+        }
+    }
+
+    /// Ends learning from signals, or hands over to PI2.
+    fn settle(&mut self, reason: Settled) {
+        self.history.best = self.history().best;
+        self.cheapest = None;
+        let Stage::Signals(learner, fall_back) = &self.stage else { return };
+        let Some(fall_back) = fall_back else {
+            self.over = Some(Stop::Settled(reason));
+            return;
+        };
+        let is_negative = self.history.updates == 0 && reason == Settled::NoSignals;
+        self.history.notes.push(if is_negative { Note::NegativeCosts } else { Note::FellBack(reason) });
+        let polish = fall_back.polish(learner, self.history.best.weights.clone());
+        self.stage = Stage::Polish(Box::new(polish), Patience::new(self.history.best.total));
+    }
+
+    /// What has been learned so far; [`Stop::Asked`] where learning could go on.
+    pub fn history(&self) -> History {
+        let mut history = self.history.clone();
+        if let (Stage::Signals(learner, _), Some((weights, price))) = (&self.stage, &self.cheapest)
+            && self.motions == 1
+            && price.total < history.best.total
+        {
+            history.best = self.progress(weights.clone(), price, learner.reach());
+        }
+        history.stop = self.over.unwrap_or(Stop::Asked);
+        history
+    }
+
+    /// Whether the start and every update have been evaluated: a good moment to stop.
+    pub fn is_evaluated(&self) -> bool {
+        self.history.rollouts > 0 && !matches!(self.due, Due::Evaluation { .. })
+    }
+
+    /// Whether learning is over by itself.
+    pub fn is_over(&self) -> bool {
+        self.over.is_some()
+    }
+}

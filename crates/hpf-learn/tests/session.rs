@@ -1,0 +1,222 @@
+//! A session told the same is in the same state, and counts every motion of every draw.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+
+use hpf_learn::{
+    AutoOptions, Block, CmaEsOptions, Cost, Covariance, Draws, Driver, Exploration, GaussNewtonOptions, LearnError,
+    Method, Parameters, Pi2Options, Problem, Record, Session, SignalGroup, SignalModel, Stop, learn_with,
+};
+
+const STEPS: usize = 6;
+const COUNT: usize = 3;
+
+/// Signals that bend: `rho_t = a_t . w + (a_t . w)^3/10 - c_t`, and the cost of step t is `rho_t^2/2`. With several
+/// draws the cost is the mean over as many shifts of c, others for every draw asked for.
+struct Bent {
+    blocks: Vec<Block>,
+    model: Option<SignalModel>,
+    draws: usize,
+    made: AtomicUsize,
+}
+
+impl Bent {
+    fn new(has_signals: bool, draws: usize) -> Self {
+        let block = |min: f64, max: f64| Block {
+            name: "w".into(),
+            count: COUNT,
+            features: vec![1.0 / COUNT as f64; STEPS * COUNT],
+            activations: vec![1.0; STEPS * COUNT],
+            min,
+            max,
+            noise: 0.2,
+        };
+        let model = SignalModel {
+            groups: vec![SignalGroup { parameters: 0..2 * COUNT, signals: 0..STEPS }],
+            price: vec![vec![]; 2],
+        };
+        Self {
+            blocks: vec![block(f64::NEG_INFINITY, f64::INFINITY), block(-0.5, 0.5)],
+            model: has_signals.then_some(model),
+            draws,
+            made: AtomicUsize::new(0),
+        }
+    }
+
+    fn signals_at(&self, draws: Draws, w: &[f64], draw: usize) -> Vec<f64> {
+        let shift = match draws {
+            _ if self.draws == 1 => 0.0,
+            Draws::Update(update) => 0.1 * ((update * 7 + draw) as f64).sin(),
+            Draws::HeldOut => 0.1 * (100.0 + draw as f64).sin(),
+        };
+        let signal = |t: usize| {
+            let a = w.iter().enumerate().map(|(j, w)| w * (1.3 * t as f64 + 2.1 * j as f64).sin()).sum::<f64>();
+            a + 0.1 * a * a * a - (t as f64).cos() - shift
+        };
+        (0..STEPS).map(signal).collect()
+    }
+}
+
+impl Problem for Bent {
+    type Workspace = ();
+
+    fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    fn steps(&self) -> usize {
+        STEPS
+    }
+
+    fn terms(&self) -> &[&'static str] {
+        &["all"]
+    }
+
+    fn workspace(&self) {}
+
+    fn motions(&self) -> usize {
+        self.draws
+    }
+
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost) {
+        self.made.fetch_add(self.draws, Ordering::SeqCst);
+        cost.running = (0..STEPS)
+            .map(|t| {
+                let square = |draw| self.signals_at(draws, parameters.at(t), draw)[t].powi(2);
+                0.5 * (0..self.draws).map(square).sum::<f64>() / self.draws as f64
+            })
+            .collect();
+        cost.terminal = 0.0;
+        cost.terms = vec![cost.total()];
+    }
+
+    fn signals(&self) -> Option<&SignalModel> {
+        self.model.as_ref()
+    }
+
+    fn measure(&self, draws: Draws, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost, signals: &mut Vec<f64>) {
+        self.rollout(draws, parameters, &mut (), cost);
+        *signals = self.signals_at(draws, parameters.at(0), 0);
+    }
+}
+
+fn methods() -> Vec<(Method, bool)> {
+    let pi2 = Pi2Options { rollouts: 5, updates: 12, ..Pi2Options::default() };
+    let adapted = Covariance::Diagonal { floor: 0.1, ceiling: 2.0 };
+    vec![
+        (Method::Pi2(pi2), true),
+        (Method::Pi2(Pi2Options { covariance: adapted, exploration: Exploration::Step, ..pi2 }), false),
+        (Method::GaussNewton(GaussNewtonOptions { rollouts: 3, updates: 30, seed: 2 }), true),
+        (Method::Auto(AutoOptions { rollouts: 4, updates: 40, seed: 3 }), true),
+        (Method::Pi2(Pi2Options { elites: 3, ..pi2 }), false),
+        // Settles on the roots of the costs, then PI2.
+        (Method::Auto(AutoOptions { rollouts: 4, updates: 120, seed: 3 }), false),
+        (Method::CmaEs(CmaEsOptions { rollouts: 6, updates: 25, seed: 4 }), false),
+    ]
+}
+
+fn has_elites((method, _): &(Method, bool)) -> bool {
+    matches!(method, Method::Pi2(options) if options.elites > 0)
+}
+
+#[test]
+fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
+    for draws in [1, 3] {
+        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
+            let problem = Bent::new(has_signals, draws);
+            let begin = || Session::begin(&problem, vec![0.1; 2 * COUNT], &method, Some(1500)).unwrap();
+            let mut driver = Driver::new(&problem);
+            let (mut session, mut records, mut seen) = (begin(), Vec::new(), Vec::new());
+            while let Some(told) = driver.step(&mut session).unwrap() {
+                records.push(told.record);
+                seen.push(told.progress);
+            }
+            assert!(session.is_over() && session.ask().is_none());
+            assert!(records.len() > 8, "{method:?}: {}", records.len());
+            for point in 0..=records.len() {
+                let mut again = begin();
+                for (record, progress) in records[..point].iter().zip(&seen) {
+                    assert_eq!(again.replay(record).unwrap(), *progress);
+                }
+                // Wherever it may stop, there is something to keep.
+                assert!(!again.is_evaluated() || again.history().best.total.is_finite(), "{method:?} at {point}");
+                for (record, progress) in records[point..].iter().zip(&seen[point..]) {
+                    let told = driver.step(&mut again).unwrap().unwrap();
+                    assert_eq!((&told.record, &told.progress), (record, progress), "{method:?} from {point}");
+                }
+                assert_eq!(driver.step(&mut again), Ok(None));
+                assert_eq!(again.history(), session.history());
+            }
+        }
+    }
+}
+
+#[test]
+fn every_motion_of_every_draw_counts_and_none_is_made_beyond_the_limit() {
+    for draws in [1, 3] {
+        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
+            for allowed in [40, 41, 77, 100] {
+                let problem = Bent::new(has_signals, draws);
+                let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(allowed), |_| true).unwrap();
+                let made = problem.made.load(Ordering::SeqCst);
+                assert_eq!(history.rollouts, made, "{method:?}, {draws} draws");
+                assert!(made <= allowed && (made > allowed / 3 || history.stop != Stop::Rollouts), "{made}/{allowed}");
+                assert!(history.best.rollouts <= made && history.best.total <= history.initial.total);
+            }
+        }
+    }
+}
+
+#[test]
+fn with_draws_the_best_is_what_its_evaluation_on_those_held_out_says() {
+    for (method, has_signals) in methods().into_iter().filter(|method| !has_elites(method)) {
+        let problem = Bent::new(has_signals, 3);
+        let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(2000), |_| true).unwrap();
+        for progress in [&history.initial, &history.best] {
+            let mut cost = Cost::default();
+            problem.rollout(Draws::HeldOut, Parameters::Constant(&progress.weights), &mut (), &mut cost);
+            assert_eq!(cost.total(), progress.total, "{method:?}");
+        }
+        assert!(history.best.total < history.initial.total, "{method:?}");
+    }
+}
+
+#[test]
+fn elites_weigh_again_without_a_motion_and_are_refused_where_costs_are_random() {
+    let learned = |elites, draws| {
+        let method = Method::Pi2(Pi2Options { rollouts: 4, updates: 60, elites, ..Pi2Options::default() });
+        learn_with(&Bent::new(false, draws), vec![0.1; 2 * COUNT], &method, None, |_| true)
+    };
+    let (without, with) = (learned(0, 1).unwrap(), learned(3, 1).unwrap());
+    assert_eq!(with.rollouts, without.rollouts);
+    assert_ne!(with.best.weights, without.best.weights);
+    assert!(with.best.total < with.initial.total);
+    assert_eq!(learned(3, 2), Err(LearnError::RandomElites));
+}
+
+#[test]
+fn a_record_of_something_else_is_refused() {
+    let signals = Bent::new(true, 1);
+    let method = |i: usize| methods()[i].0;
+    let begin = |i| Session::begin(&signals, vec![0.1; 2 * COUNT], &method(i), None).unwrap();
+    let none = Record::Signals { prices: vec![], signals: vec![] };
+    let update = Record::Update {
+        update: 1,
+        weights: vec![1.0],
+        spread: vec![1.0],
+        exploration: 1.0,
+        rejected: 0,
+        cheapest: None,
+        elites: vec![],
+    };
+    for (i, record) in [(0, &none), (0, &update), (0, &Record::Costs(vec![])), (2, &none), (2, &update), (6, &none)] {
+        assert_eq!(begin(i).replay(record), Err(LearnError::WrongRecord), "{i} {record:?}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "one cost for each sample asked for")]
+fn telling_of_another_number_of_samples_is_a_mistake_of_the_program() {
+    let problem = Bent::new(true, 1);
+    let mut session = Session::begin(&problem, vec![0.1; 2 * COUNT], &methods()[0].0, None).unwrap();
+    let _ = session.tell(&[Cost::default(), Cost::default()], &[]);
+}
