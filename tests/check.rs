@@ -15,7 +15,7 @@ fn changed(folder: &Path, from: &str, to: &str) -> &'static str {
 #[test]
 fn shipped_tasks_are_valid() {
     let folder = folder();
-    for name in ["via_point", "cantilever", "cantilever_moving_load", "reach"] {
+    for name in ["via_point", "via_point_stochastic", "cantilever", "cantilever_moving_load", "reach"] {
         let (stdout, _) = expect(0, folder.path(), &["check", &task(&format!("{name}.toml"))]);
         assert!(stdout.starts_with(&format!("{name}: a valid task")), "{stdout}");
     }
@@ -250,6 +250,60 @@ fn a_policy_that_stiffens_quickly_is_said_to_be_not_passive_and_from_when() {
     assert!((limit / (core::f64::consts::FRAC_PI_2 * 10.0 / 0.0105) - 1.0).abs() < 1e-2, "{found:#}");
     let (text, _) = expect(0, folder.path(), &["check", "policy.json"]);
     assert!(text.contains("NOT from 2.") && text.contains("any force to 10.00 N"), "{text}");
+}
+
+/// The policy of [`write_policy`] with a mass on all axes.
+fn write_inertial(folder: &Path, stiffness: impl Fn(usize) -> f64, damping: f64, mass: f64) {
+    write_policy(folder, stiffness, damping);
+    let mut policy = hpf_sim::Policy::parse(&read(folder.join("policy.json"))).unwrap();
+    policy.admittance = hpf_sim::AdmittancePolicy { order: 2, mass: Some(vec![mass; policy.axes.len()]) };
+    std::fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
+}
+
+#[test]
+fn a_law_of_second_order_is_certified_by_its_own_tests() {
+    let folder = folder();
+    write_inertial(folder.path(), |_| 100.0, 50.0, 2.0);
+    let found = certificates(folder.path(), &["--load", "20"]);
+    let axis = &found["axes"][0];
+    assert_eq!((found["order"].as_u64(), axis["passive"].as_bool()), (Some(2), Some(true)));
+    assert_eq!(axis["stable"], true);
+    assert!((axis["stable_decay_per_s"].as_f64().unwrap() - 25.0).abs() < 1e-9, "a = d/m: {found:#}");
+    // Roots 2.2 and 22.8 1/s: no overshoot, so the worst force is a steady one, and offsets stay within f/k.
+    assert!((axis["largest_offset"].as_f64().unwrap() - 0.2).abs() < 1e-6, "{found:#}");
+    // Lightly damped, a force that swings with the tool does more: about 4/pi over twice the damping ratio of it.
+    write_inertial(folder.path(), |_| 400.0, 10.0, 4.0);
+    let found = certificates(folder.path(), &["--load", "20"]);
+    let ratio: f64 = 10.0 / (2.0 * (4.0 * 400.0_f64).sqrt());
+    let over = (core::f64::consts::PI * ratio / (1.0 - ratio * ratio).sqrt()).exp();
+    // Alternating at every zero of the impulse response: f/k (1 + r)/(1 - r), r the decay over half a swing.
+    let expected = 0.05 * (1.0 + 1.0 / over) / (1.0 - 1.0 / over);
+    let offset = found["axes"][0]["largest_offset"].as_f64().unwrap();
+    assert!((offset / expected - 1.0).abs() < 1e-3, "{offset} {expected}");
+    // A rise within a quarter of a second: neither proved stable nor passive, whatever the mass.
+    write_inertial(folder.path(), |i| if i < 10 { 30.0 } else { 400.0 }, 10.0, 20.0);
+    let axis = certificates(folder.path(), &[])["axes"][0].take();
+    assert!(axis["stable"].is_null() && axis["passive"] == false, "{axis:#}");
+    let heavy = axis["not_passive_from_s"].as_f64();
+    write_inertial(folder.path(), |i| if i < 10 { 30.0 } else { 400.0 }, 10.0, 2.0);
+    let axis = certificates(folder.path(), &[])["axes"][0].take();
+    assert_eq!((axis["stable"].as_bool(), axis["not_passive_from_s"].as_f64()), (Some(true), heavy));
+    let (text, _) = expect(0, folder.path(), &["check", "policy.json"]);
+    assert!(text.contains("second-order law") && text.contains("NOT from 2."), "{text}");
+}
+
+#[test]
+fn a_measured_contact_too_stiff_for_its_loop_is_warned_of() {
+    let folder = folder();
+    let text = read(task("cantilever.toml")) + "\n[sensor]\ndelay = 0.01\n";
+    std::fs::write(folder.path().join("late.toml"), text).unwrap();
+    let (stdout, _) = expect(0, folder.path(), &["check", "late.toml"]);
+    // One sample late: d/h = 10/0.01 N/m at the least damping.
+    assert!(stdout.contains("warning") && stdout.contains("as stiff as 1000000 N/m"), "{stdout}");
+    assert!(stdout.contains("stable below 1000 N/m"), "{stdout}");
+    let (stdout, _) = expect(0, folder.path(), &["check", &task("cantilever.toml"), "--json"]);
+    let object: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(object["warnings"].as_array().unwrap().len(), 0);
 }
 
 #[test]

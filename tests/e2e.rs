@@ -25,5 +25,6 @@ mod robustness;
 mod run;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;
+mod stochastic;
 mod support;
 mod sweep;

@@ -35,6 +35,22 @@ fn policy() -> Policy {
     policy
 }
 
+/// The same task's policy with bases of the time family and a law of second order.
+fn policy_in_time() -> Policy {
+    let text = read(task("via_point.toml"));
+    let text = text.replacen("basis = 20 ", "basis = { family = \"time\" } ", 1);
+    let text = text.replacen("basis = 20\n", "basis = { family = \"time\", count = 11 }\n", 1);
+    let task = Task::parse(&(text + "\n[admittance]\norder = 2\nmass = [1.5, 0.1]\n")).unwrap();
+    let mut policy = Policy::initial(&task).unwrap();
+    for (a, axis) in policy.axes.iter_mut().enumerate() {
+        let wave = |i: usize, speed: f64| (speed * i as f64 + a as f64).sin();
+        axis.movement.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 60.0 * wave(i, 1.1));
+        axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 200.0 + 150.0 * wave(i, 0.7));
+        axis.damping.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 50.0 + 35.0 * wave(i, 0.9));
+    }
+    policy
+}
+
 /// Writes a policy as policy.json.
 fn write(folder: &Path, policy: &Policy) {
     fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
@@ -118,8 +134,8 @@ fn run_rust(folder: &Path) -> Vec<u64> {
 
 #[test]
 fn the_rust_module_builds_without_std_and_steps_to_the_same_bits() {
-    let policy = policy();
-    for scalar in ["f64", "f32"] {
+    for (policy, scalar) in [(policy(), "f64"), (policy(), "f32"), (policy_in_time(), "f64"), (policy_in_time(), "f32")]
+    {
         let folder = folder();
         write(folder.path(), &policy);
         let (stdout, _) = expect(0, folder.path(), &["export", "policy.json", "--format", "rust", "--scalar", scalar]);
@@ -217,6 +233,45 @@ fn the_packed_skill_steps_to_the_same_bits_and_is_refused_when_damaged() {
     let mut storage = vec![0.0; single.head().storage()];
     let expected = motion(&policy.to_hybrid_of::<f32, 2>().unwrap());
     assert_eq!(motion(&single.skill_in::<f32, 2>(&mut storage).unwrap()), expected);
+}
+
+#[test]
+fn a_packed_skill_of_the_time_family_steps_to_the_same_bits_and_is_refused_when_it_is_not_one() {
+    let (folder, policy) = (folder(), policy_in_time());
+    write(folder.path(), &policy);
+    expect(0, folder.path(), &["export", "policy.json", "--format", "binary"]);
+    let mut bytes = fs::read(folder.path().join("policy.bin")).unwrap();
+    let packed = Packed::parse(&bytes).unwrap();
+    assert_eq!((packed.head().functions, packed.head().in_time), ([20, 11, 20], [true, true, false]));
+    let room = packed.head().storage();
+    let mut storage = vec![0.0; room];
+    let expected = motion(&policy.to_hybrid::<2>().unwrap());
+    assert_eq!(motion(&packed.skill_in::<f64, 2>(&mut storage).unwrap()), expected);
+    // A number of the basis that is another one, under a checksum that fits.
+    bytes[32 + 8 * 3] ^= 1;
+    let body = bytes.len() - 4;
+    let sum = hpf_core::packed::crc32(&bytes[..body]).to_le_bytes();
+    bytes[body..].copy_from_slice(&sum);
+    let refused = Packed::parse(&bytes).unwrap().skill_in::<f64, 2>(&mut storage).unwrap_err().to_string();
+    assert!(refused.starts_with("centers must lie in"), "{refused}");
+
+    expect(0, folder.path(), &["export", "policy.json", "--format", "binary", "--scalar", "f32", "--out", "f32.bin"]);
+    let single = fs::read(folder.path().join("f32.bin")).unwrap();
+    let mut storage = vec![0.0; room];
+    let expected = motion(&policy.to_hybrid_of::<f32, 2>().unwrap());
+    assert_eq!(motion(&Packed::parse(&single).unwrap().skill_in::<f32, 2>(&mut storage).unwrap()), expected);
+}
+
+#[test]
+fn exports_name_the_law_and_carry_masses_and_overlaps() {
+    let folder = folder();
+    write(folder.path(), &policy_in_time());
+    let text = |format: &str| expect(0, folder.path(), &["export", "policy.json", "--format", format, "--out", "-"]).0;
+    let (rust, c) = (text("rust"), text("c"));
+    assert!(rust.contains("pub static MASS: [Scalar; AXES] = [") && rust.contains("MOVEMENT_OVERLAP: Scalar = 0.6;"));
+    assert!(rust.contains("second order") && rust.contains("DAMPING_WIDTHS") && !rust.contains("STIFFNESS_WIDTHS"));
+    assert!(c.contains("hpf_via_point_mass[HPF_VIA_POINT_AXES] = {\n    1.5, 0.1,"), "{c}");
+    assert!(c.contains("hpf_via_point_stiffness_overlap = 0.6;") && c.contains("hpf_via_point_stiffness_falls["));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use hpf_core::packed::Scalar;
 use hpf_core::{ConfigError, Real};
 use hpf_sim::task::Unit;
-use hpf_sim::{AxisPolicy, Policy};
+use hpf_sim::{AxisPolicy, Family, Policy};
 
 /// The forms of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -110,20 +110,64 @@ fn check<T: Real>(policy: &Policy) -> Result<(), ConfigError> {
     (0..policy.axes.len()).try_for_each(|axis| policy.axis(axis).to_hybrid_of::<T, 1>().map(drop))
 }
 
-/// Functions in the bases of movement, stiffness and damping.
-fn functions(policy: &Policy) -> [usize; 3] {
-    let first = &policy.axes[0];
-    [first.movement.centers.len(), first.stiffness.centers.len(), first.damping.centers.len()]
+/// One basis of an export, its numbers those of the scalar asked for.
+struct ExportedBasis {
+    name: &'static str,
+    /// Overlap of neighbours, where it is of the time family.
+    overlap: Option<f64>,
+    centers: Vec<f64>,
+    /// Widths; of the time family, what a function has fallen to j spacings from its center.
+    shape: Vec<f64>,
 }
 
-/// Name, centers and widths of each basis.
-fn bases(policy: &Policy) -> [(&'static str, &[f64], &[f64]); 3] {
+impl ExportedBasis {
+    fn count(&self) -> usize {
+        self.centers.len()
+    }
+
+    /// What its second list is called, and is.
+    fn shape_name(&self) -> (&'static str, &'static str) {
+        match self.overlap {
+            None => ("widths", "Widths"),
+            Some(_) => ("falls", "What a function has fallen to 0, 1, 2 ... spacings from its center, time family,"),
+        }
+    }
+}
+
+/// The bases of movement, stiffness and damping.
+fn bases(policy: &Policy, precision: Precision) -> [ExportedBasis; 3] {
+    match precision {
+        Precision::F32 => bases_of::<f32>(policy),
+        Precision::F64 => bases_of::<f64>(policy),
+    }
+}
+
+fn bases_of<T: Real>(policy: &Policy) -> [ExportedBasis; 3] {
+    let [movement, stiffness, damping] = policy.bases::<T>().expect("a policy that makes a skill has its bases");
     let first = &policy.axes[0];
+    let exported = |name, family, basis: hpf_core::Basis<T, Vec<T>>| {
+        let list = |numbers: &[T]| numbers.iter().map(|number| number.to_f64()).collect();
+        let overlap = match family {
+            Family::Phase => None,
+            Family::Time { overlap } => Some(T::of(overlap).to_f64()),
+        };
+        ExportedBasis { name, overlap, centers: list(basis.centers()), shape: list(basis.widths()) }
+    };
     [
-        ("movement", &first.movement.centers, &first.movement.widths),
-        ("stiffness", &first.stiffness.centers, &first.stiffness.widths),
-        ("damping", &first.damping.centers, &first.damping.widths),
+        exported("movement", first.movement.family, movement),
+        exported("stiffness", first.stiffness.family, stiffness),
+        exported("damping", first.damping.family, damping),
     ]
+}
+
+/// The admittance law in a sentence; it is no part of a skill, but of the settings of the controller.
+fn law(policy: &Policy) -> String {
+    match &policy.admittance.mass {
+        None => "Admittance: first order, d e' + k e = f.".into(),
+        Some(_) => {
+            "Admittance: second order, m e'' + d e' + k e = f, masses m as below: a setting of the controller.".into()
+        }
+    }
 }
 
 /// One number per axis: its name, what it is with its unit, and where it stands.
@@ -152,6 +196,17 @@ const WEIGHTS: [WeightsPerAxis; 3] = [
 /// What a text export says at its top, each line without its comment sign.
 fn preamble(policy: &Policy, sha256: &str) -> Vec<String> {
     let from = &policy.provenance;
+    let first = &policy.axes[0];
+    let families = [first.movement.family, first.stiffness.family, first.damping.family];
+    let functions = match families.iter().filter(|family| **family == Family::Phase).count() {
+        3 => {
+            "Basis functions psi_i(s) = exp(-h_i (s - c_i)^2) of the phase s = exp(-decay t/duration), centers c_i, widths h_i."
+        }
+        0 => "Basis functions psi_i = overlap^((u - i)^2), time family, u = (n - 1) t/duration, centers c_i in phase.",
+        _ => {
+            "Basis functions with widths h_i are psi_i(s) = exp(-h_i (s - c_i)^2), s = exp(-decay t/duration); those with falls overlap^((u - i)^2), u = (n - 1) t/duration."
+        }
+    };
     let mut lines = vec![
         format!(
             "Skill `{}`, made by `hpf export` {}: not edited by hand.",
@@ -165,9 +220,16 @@ fn preamble(policy: &Policy, sha256: &str) -> Vec<String> {
         format!("Axis {i}: `{}`, in {unit}.", printable(&axis.name))
     }));
     lines.extend([
-        "Basis functions psi_i(s) = exp(-h_i (s - c_i)^2) of the phase s = exp(-decay t/duration), centers c_i, widths h_i.".into(),
+        functions.into(),
+        law(policy),
         format!("Policy: SHA-256 {sha256}."),
-        format!("Learned: hpf {}, seed {}, {} updates, cost {:?}.", printable(&from.hpf), from.seed, from.updates, from.cost),
+        format!(
+            "Learned: hpf {}, seed {}, {} updates, cost {:?}.",
+            printable(&from.hpf),
+            from.seed,
+            from.updates,
+            from.cost
+        ),
     ]);
     lines
 }

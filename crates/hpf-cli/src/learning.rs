@@ -87,7 +87,10 @@ pub fn learn(loaded: &LoadedTask, folder: &mut Unfinished, quiet: bool) -> Resul
             learned
         }
     };
-    learned.metrics = simulation.metrics(&learned.run.trajectory);
+    learned.metrics = match &task.environment {
+        None => simulation.evaluate(&learned.history.best.weights).1,
+        Some(_) => simulation.metrics(&learned.run.trajectory),
+    };
     if learned.is_planned {
         // Of a motion that was only planned, the gains are all that can be measured.
         let is_gain = |metric: &Metric| ["stiffness", "damping"].iter().any(|name| metric.name.starts_with(name));

@@ -56,7 +56,10 @@ fn axes_of(skill: &Packed<'_>) -> Vec<Axis> {
 pub fn text(skill: &Packed<'_>) -> String {
     let head = skill.head();
     let duration = skill.values::<f64>().next().unwrap_or_default();
-    let [movement, stiffness, damping] = head.functions;
+    let [movement, stiffness, damping] = core::array::from_fn(|i| {
+        let family = if head.in_time[i] { " in time" } else { "" };
+        format!("{}{family}", head.functions[i])
+    });
     let mut text = format!(
         "a packed skill, intact: {} axes in f{}, {duration} s, {} bytes\n",
         head.axes,
@@ -85,7 +88,8 @@ pub fn to_json(skill: &Packed<'_>) -> Value {
     let head = skill.head();
     json!({
         "format": "hpf-packed-info", "version": 1, "scalar": format!("f{}", 8 * head.scalar.width()),
-        "bytes": head.length(), "functions": head.functions, "duration_s": skill.values::<f64>().next(),
+        "bytes": head.length(), "functions": head.functions, "in_time": head.in_time,
+        "duration_s": skill.values::<f64>().next(),
         "axes": axes.collect::<Vec<_>>(),
     })
 }

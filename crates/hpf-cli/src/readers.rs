@@ -46,7 +46,8 @@ pub fn task(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    let functions = task.movement.basis + task.stiffness.basis + task.damping.basis;
+    let bases = [task.movement.basis, task.stiffness.basis, task.damping.basis];
+    let functions: usize = bases.iter().map(|basis| basis.count()).sum();
     if task.steps() * functions * task.axis.len() <= MOST_SIMULATED
         && let Ok(policy) = Policy::initial(&task)
         && let Ok(simulation) = Simulation::new(&task, &policy)

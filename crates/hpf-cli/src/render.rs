@@ -208,7 +208,8 @@ pub fn policy(policy: &Policy) -> String {
 pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> String {
     let Conditions { rate, delay, load } = *conditions;
     let mut text = format!(
-        "certificates, first-order law at {} Hz, measured force {} ms late, over the movement and as long again at its goal\n",
+        "certificates, {}-order law at {} Hz, measured force {} ms late, over the movement and as long again at its goal\n",
+        if policy.admittance.order == 2 { "second" } else { "first" },
         number(rate),
         number(delay * 1e3)
     );
@@ -221,11 +222,17 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
             None => "yes, from rest".into(),
             Some(time) => format!("NOT from {} s on: a tank has to guard it", number(time)),
         };
+        let stable = match (policy.admittance.order, certificate.decay) {
+            (1, _) => "yes, as every law of first order".into(),
+            (_, Some(decay)) => format!("yes, a = {} 1/s proves it", number(decay)),
+            (_, None) => "not proved: stiffness rises faster than damping can take".into(),
+        };
         let (energy, offset) = (number(certificate.switched_energy), measure(certificate.largest_offset, unit));
         let contact = number(certificate.contact_stiffness);
         let least = number(certificate.least_damping);
         let (velocity, acceleration) = (number(certificate.peak_velocity), number(certificate.peak_acceleration));
         let _ = writeln!(text, "  {}", axis.name);
+        let _ = writeln!(text, "    stable    {stable}");
         let _ = writeln!(text, "    passive   {passive}");
         let _ = writeln!(
             text,

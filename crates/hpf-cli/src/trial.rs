@@ -115,7 +115,7 @@ pub fn learn(loaded: &LoadedTask) -> Result<Trial, Broken> {
         total_s: begun.elapsed().as_secs_f64(),
         initial: (history.initial.total, history.initial.terms),
         last: (history.best.total, history.best.terms),
-        metrics: simulation.metrics(&trajectory),
+        metrics: simulation.evaluate(&history.best.weights).1,
         rejected: history.rejected,
         stopped_because,
     };

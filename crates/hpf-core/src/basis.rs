@@ -127,23 +127,42 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         S: AsMut<[T]>,
     {
         let fall = fall_to(overlap)?;
-        let last = place(decay, centers.as_mut())?;
+        place(decay, centers.as_mut())?;
         error::finite_list("falls", falls.as_ref(), centers.as_ref().len())?;
-        let mut reach = 0;
         for (j, slot) in falls.as_mut().iter_mut().enumerate() {
-            let fallen = libm::exp(-fall.to_f64() * (j * j) as f64);
-            // Half way to the next center, where the nearest two are equal.
-            let most = libm::exp(-fall.to_f64() * (j * j.saturating_sub(1)) as f64);
-            let counts = (T::ONE + T::of(SHARE_THAT_COUNTS * most)).to_f64() > 1.0;
-            *slot = if counts { T::of(fallen) } else { T::ZERO };
-            reach += usize::from(counts);
+            *slot = fallen(fall, j);
         }
-        Ok(Self {
-            centers,
-            shape: falls,
-            family: Family::Time { spacings: last / decay, fall, last, reach },
-            scalar: PhantomData,
-        })
+        Self::in_time(decay, fall, centers, falls)
+    }
+
+    /// The basis of the time family over lists that are stored, in flash or a file: each number must be the one that
+    /// [`equally_spaced_in_time`](Self::equally_spaced_in_time) writes for this `decay` and `overlap`.
+    ///
+    /// # Errors
+    /// As [`equally_spaced_in_time`](Self::equally_spaced_in_time), and for a number that is another one.
+    pub fn stored_in_time(decay: T, overlap: T, centers: S, falls: S) -> Result<Self, ConfigError> {
+        let fall = fall_to(overlap)?;
+        error::positive("decay", decay)?;
+        at_least_two(centers.as_ref())?;
+        error::finite_list("falls", falls.as_ref(), centers.as_ref().len())?;
+        let last = T::of(centers.as_ref().len().saturating_sub(1) as f64);
+        let pairs = centers.as_ref().iter().zip(falls.as_ref()).enumerate();
+        for (i, (found, fall_found)) in pairs {
+            let (center, fallen) = (center(decay, last, i).to_f64(), fallen(fall, i).to_f64());
+            error::within("centers", *found, center, center)?;
+            error::within("falls", *fall_found, fallen, fallen)?;
+        }
+        Self::in_time(decay, fall, centers, falls)
+    }
+
+    /// The time family over lists known to be its own.
+    fn in_time(decay: T, fall: T, centers: S, falls: S) -> Result<Self, ConfigError> {
+        let last = T::of(centers.as_ref().len().saturating_sub(1) as f64);
+        let reach = falls.as_ref().iter().filter(|fallen| fallen.to_f64() > 0.0).count();
+        let spacings = last / decay;
+        error::finite("functions over decay", spacings)?;
+        let family = Family::Time { spacings, fall, last, reach };
+        Ok(Self { centers, shape: falls, family, scalar: PhantomData })
     }
 
     /// The same basis over other storage, for lists that lie in flash.
@@ -347,15 +366,30 @@ fn fall_to<T: Real>(overlap: T) -> Result<T, ConfigError> {
     Ok(T::of(-libm::log(value)))
 }
 
-/// Places centers equally in time over a phase that falls by `decay`; returns the number of spacings.
-fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<T, ConfigError> {
+/// What a function of the time family has fallen to, `j` spacings from its center; nought where it does not count.
+fn fallen<T: Real>(fall: T, j: usize) -> T {
+    let j = j as f64;
+    let fallen = libm::exp(-fall.to_f64() * (j * j));
+    // Half way to the next center, where the nearest two are equal.
+    let most = libm::exp(-fall.to_f64() * (j * (j - 1.0).max(0.0)));
+    let counts = (T::ONE + T::of(SHARE_THAT_COUNTS * most)).to_f64() > 1.0;
+    if counts { T::of(fallen) } else { T::ZERO }
+}
+
+/// Center `i` of those equally spaced in time over a phase that falls by `decay`, the last one's number being `last`.
+fn center<T: Real>(decay: T, last: T, i: usize) -> T {
+    (-decay * T::of(i as f64) / last).exp()
+}
+
+/// Places centers equally in time over a phase that falls by `decay`.
+fn place<T: Real>(decay: T, centers: &mut [T]) -> Result<(), ConfigError> {
     error::positive("decay", decay)?;
     at_least_two(centers)?;
     let last = T::of((centers.len() - 1) as f64);
-    for (i, center) in centers.iter_mut().enumerate() {
-        *center = (-decay * T::of(i as f64) / last).exp();
+    for (i, slot) in centers.iter_mut().enumerate() {
+        *slot = center(decay, last, i);
     }
-    Ok(last)
+    Ok(())
 }
 
 /// The nearest center k of the time family and the distance to it in spacings.

@@ -7,7 +7,7 @@
 //! |---|---|---|---|
 //! | 0 | 4 | magic, `HPFS` | |
 //! | 4 | 2 | version, 1 | |
-//! | 6 | 1 | w: 4 (f32) or 8 (f64) | |
+//! | 6 | 1 | w: 4 (f32) or 8 (f64); plus 16, 32, 64 where the basis of movement, stiffness, damping is of the time family | |
 //! | 7 | 1 | axes D, 1 to 16 | |
 //! | 8 | 3 x 2 | n_m, n_k, n_d | |
 //! | 14 | 2 | bit i set: axis i is rotary, read rad for m and N m for N | |
@@ -23,7 +23,8 @@
 //! error within 32 bits in a row, and so every damaged byte. What it finds intact still passes the constructors that
 //! every skill passes. The checksum guards against damage, not against intent.
 //!
-//! Bases are of the phase family (see [`basis`](crate::basis)).
+//! A basis of the time family (see [`basis`](crate::basis)) has in place of its widths what a function has fallen to j
+//! spacings from its center; for j = 0, where that is 1, its overlap.
 
 use core::{array, fmt, iter, mem};
 
@@ -38,6 +39,8 @@ pub const MAX_AXES: u8 = 16;
 
 /// Length of the head [bytes].
 const HEAD: usize = 16;
+/// Bits of the byte of the width that mark a basis of the time family: movement, stiffness, damping.
+const IN_TIME: [u8; 3] = [16, 32, 64];
 /// Length of the checksum [bytes].
 const CHECKSUM: usize = 4;
 /// IEEE 802.3, reflected.
@@ -73,6 +76,8 @@ pub struct Head {
     pub functions: [u16; 3],
     /// Bit i set: axis i is rotary.
     pub rotary: u16,
+    /// Whether the bases of movement, stiffness and damping are of the time family.
+    pub in_time: [bool; 3],
 }
 
 /// Why bytes are not a packed skill, or not the one expected.
@@ -189,13 +194,14 @@ impl Head {
         if found != VERSION {
             return Err(PackedError::Version { found });
         }
-        let scalar = match width {
+        let in_time = IN_TIME.map(|bit| width & bit != 0);
+        let scalar = match width & !IN_TIME.iter().fold(0, |all, bit| all | bit) {
             4 => Scalar::Single,
             8 => Scalar::Double,
-            found => return Err(PackedError::Width { found }),
+            _ => return Err(PackedError::Width { found: width }),
         };
         let functions = [[a0, a1], [b0, b1], [c0, c1]].map(u16::from_le_bytes);
-        Self { scalar, axes, functions, rotary: u16::from_le_bytes([r0, r1]) }.checked()
+        Self { scalar, axes, functions, rotary: u16::from_le_bytes([r0, r1]), in_time }.checked()
     }
 
     fn checked(self) -> Result<Self, PackedError> {
@@ -222,7 +228,9 @@ impl Head {
         let [[a0, a1], [b0, b1], [c0, c1]] = head.functions.map(u16::to_le_bytes);
         let [m0, m1, m2, m3] = MAGIC;
         let width = head.scalar.width();
-        let front = [m0, m1, m2, m3, v0, v1, width as u8, head.axes, a0, a1, b0, b1, c0, c1, r0, r1];
+        let marks = IN_TIME.iter().zip(head.in_time).filter(|(_, in_time)| *in_time);
+        let marked = marks.fold(width as u8, |marked, (bit, _)| marked | bit);
+        let front = [m0, m1, m2, m3, v0, v1, marked, head.axes, a0, a1, b0, b1, c0, c1, r0, r1];
         let wrong = PackedError::Numbers { expected: head.numbers() };
         let (body, sum) = out.split_last_chunk_mut::<CHECKSUM>().ok_or(wrong)?;
         let (slots, rest) = body.split_first_chunk_mut::<HEAD>().ok_or(wrong)?;
@@ -255,7 +263,7 @@ impl Head {
 ///
 /// ```
 /// use hpf_core::packed::{Head, Packed, Scalar};
-/// let head = Head { scalar: Scalar::Single, axes: 1, functions: [2; 3], rotary: 0 };
+/// let head = Head { scalar: Scalar::Single, axes: 1, functions: [2; 3], rotary: 0, in_time: [false; 3] };
 /// let basis = [1.0, 0.1, 2.0, 2.0]; // centers, widths
 /// let axis = [0.0, 0.3, 25.0, 1.0, 5.0, -5.0, 30.0, 400.0, 100.0, 200.0, 10.0, 100.0, 50.0, 50.0];
 /// let numbers = [&[1.5, 2.3][..], &basis, &basis, &basis, &axis].concat();
@@ -364,12 +372,18 @@ impl<'a> Packed<'a> {
         let mut values = self.values::<T>();
         let values: &mut dyn Iterator<Item = T> = &mut values;
         let phase = Phase::new(one(values), one(values))?;
-        let mut basis = |count: usize, values: &mut dyn Iterator<Item = T>| {
-            let (centers, widths) = (store(values, count)?, store(values, count)?);
-            Ok::<_, PackedError>(Basis::new(centers, widths)?)
+        let decay = phase.decay();
+        let mut basis = |count: usize, in_time: bool, values: &mut dyn Iterator<Item = T>| {
+            let centers = store(values, count)?;
+            if in_time {
+                let overlap = one(values);
+                let falls = store(&mut iter::once(T::ONE).chain(values), count)?;
+                return Ok::<_, PackedError>(Basis::stored_in_time(decay, overlap, centers, falls)?);
+            }
+            Ok(Basis::new(centers, store(values, count)?)?)
         };
-        let [m, k, d] = counts;
-        let bases = [basis(m, values)?, basis(k, values)?, basis(d, values)?];
+        let ([m, k, d], [m_in_time, k_in_time, d_in_time]) = (counts, self.head.in_time);
+        let bases = [basis(m, m_in_time, values)?, basis(k, k_in_time, values)?, basis(d, d_in_time, values)?];
         let mut axis = || {
             let [start, goal, alpha, scale] = [one(values), one(values), one(values), one(values)];
             let movement = Movement::new(start, goal, alpha, scale, store(values, movement)?)?;

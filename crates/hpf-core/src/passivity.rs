@@ -24,7 +24,10 @@
 mod certificate;
 mod tank;
 
-pub use certificate::{contact_stiffness_limit, first_order_fails_at, inertial_decay, largest_offset, switched_energy};
+pub use certificate::{
+    contact_stiffness_limit, first_order_fails_at, inertial_contact_stiffness_limit, inertial_decay, largest_offset,
+    switched_energy,
+};
 pub use tank::EnergyTank;
 
 use crate::Real;

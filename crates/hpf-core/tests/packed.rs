@@ -1,7 +1,7 @@
 //! Packed skills: what goes in comes out, and nothing damaged does.
 
 use hpf_core::packed::{Head, Packed, PackedError, Scalar, crc32};
-use hpf_core::{ConfigError, HybridPrimitive};
+use hpf_core::{Basis, ConfigError, HybridPrimitive};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -10,7 +10,7 @@ const FUNCTIONS: [u16; 3] = [4, 3, 2];
 
 /// A head and its numbers: two axes, each list another.
 fn example(scalar: Scalar) -> (Head, Vec<f64>) {
-    let head = Head { scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10 };
+    let head = Head { scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10, in_time: [false; 3] };
     let mut numbers = vec![1.7, 4.605];
     for count in FUNCTIONS.map(f64::from) {
         numbers.extend((0..count as usize).map(|i| 1.0 - i as f64 / count));
@@ -53,6 +53,36 @@ fn read(bytes: &[u8]) -> Result<(), PackedError> {
         2 => packed.skill_in::<f64, 2>(&mut storage).map(drop),
         _ => Ok(()),
     }
+}
+
+#[test]
+fn a_basis_of_the_time_family_is_packed_with_its_overlap_and_checked() {
+    let basis = Basis::equally_spaced_in_time(4.605, 0.6, [0.0; 4], [0.0; 4]).unwrap();
+    let head = Head { functions: [4; 3], in_time: [true, false, true], ..example(Scalar::Double).0 };
+    let numbers = |overlap: f64| {
+        let time = [basis.centers(), &[overlap], &basis.widths()[1..]].concat();
+        let phase = [1.0, 0.7, 0.4, 0.1, 3.1, 3.2, 3.3, 3.4];
+        let mut numbers = [&[1.7, 4.605][..], &time, &phase, &time].concat();
+        for axis in [1.0, -0.7] {
+            numbers.extend([0.1 * axis, axis, 25.0, 0.9, 30.3, -11.7, 8.1, 40.0]);
+            numbers.extend([30.0, 400.0, 100.0, 200.0, 300.0, 390.0, 10.0, 100.0, 20.0, 30.0, 40.0, 50.0]);
+        }
+        let mut bytes = vec![0; head.length()];
+        head.pack(numbers, &mut bytes).unwrap();
+        bytes
+    };
+    let bytes = numbers(0.6);
+    let packed = Packed::parse(&bytes).unwrap();
+    assert_eq!(packed.head(), &head);
+    let skill = packed.skill::<f64, 4, 2>().unwrap();
+    let weights = skill.axes()[1].damping.weights();
+    for s in [1.0, 0.3, 0.05] {
+        assert_eq!([skill.at(s)[1].damping], basis.mix(s, [weights]));
+    }
+    // The same lists under another overlap are those of no basis.
+    let bytes = numbers(0.61);
+    let refused = Packed::parse(&bytes).unwrap().skill::<f64, 4, 2>().unwrap_err();
+    assert!(matches!(refused, PackedError::Config(ConfigError::OutOfRange { field: "falls", .. })), "{refused}");
 }
 
 #[test]
@@ -154,7 +184,7 @@ proptest! {
         noise in vec(any::<f64>(), 1..40),
     ) {
         let scalar = if wide { Scalar::Double } else { Scalar::Single };
-        let head = Head { scalar, axes, functions, rotary: 0 };
+        let head = Head { scalar, axes, functions, rotary: 0, in_time: [false; 3] };
         let mut bytes = vec![0; head.length()];
         head.pack(vec![0.5; head.numbers()], &mut bytes).unwrap();
         let last = bytes.len() - 4;

@@ -199,7 +199,7 @@ fn the_certificate_is_the_riccati_equation() {
 }
 
 #[test]
-fn a_slow_rise_with_enough_damping_is_proved_passive_with_inertia() {
+fn a_slow_rise_with_enough_damping_is_proved_stable_with_inertia() {
     let rise = |slope: f64| (0..1000).map(move |i| (100.0 + slope * f64::from(i) * DT, 50.0));
     // a = d/m = 25 allows k' <= 2 a k = 5000 N/(m s).
     assert_eq!(inertial_decay(rise(4900.0), 2.0, DT), Some(25.0));
@@ -208,6 +208,27 @@ fn a_slow_rise_with_enough_damping_is_proved_passive_with_inertia() {
     let with = |slope: f64| (0..10).map(move |i| (100.0, 50.0 + slope * f64::from(i) * DT));
     assert!(inertial_decay(with(-1e3), 2.0, DT).is_some());
     assert!(inertial_decay(with(1e3), 2.0, DT).is_none());
+}
+
+#[test]
+fn a_mass_does_not_keep_a_schedule_from_giving_energy() {
+    // Pressed while soft, let go while stiff: what the first-order test refuses, a tool with inertia gives as well.
+    let (mass, damping) = (0.5, 1.0);
+    let gains: Vec<(f64, f64)> = (0..4000).map(|i| (if i < 2000 { 30.0 } else { 400.0 }, damping)).collect();
+    assert_eq!(first_order_fails_at(gains.iter().copied(), DT), Some(2001.0 * DT));
+    let law = Inertial::new(mass, 400.0, damping, DT).unwrap();
+    let mut motion = OffsetMotion { offset: 0.0, velocity: 0.0 };
+    let mut work = 0.0;
+    for (i, &(stiffness, _)) in gains.iter().enumerate() {
+        // To 0.1 m and back, half a cosine each in two seconds; the force is that of the law.
+        let (w, t) = (core::f64::consts::FRAC_PI_2, (i as f64 + 0.5) * DT);
+        let [e, v, a] = [0.05 * (1.0 - (w * t).cos()), 0.05 * w * (w * t).sin(), 0.05 * w * w * (w * t).cos()];
+        let (force, before) = (mass * a + damping * v + stiffness * e, motion.offset);
+        law.step(&mut motion, stiffness, damping, force, DT);
+        work += force * (motion.offset - before);
+    }
+    // 0.15 J in, 2 J out, less what damping takes: int v^2 = 0.05^2 w^2 2 s.
+    assert!((work - (0.15 - 2.0 + 0.0123)).abs() < 0.01, "{work}");
 }
 
 #[test]

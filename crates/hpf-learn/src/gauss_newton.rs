@@ -342,7 +342,12 @@ impl GaussNewton {
         }
     }
 
-    fn plan_columns(&mut self, columns: Vec<usize>) {
+    fn plan_columns(&mut self, mut columns: Vec<usize>) {
+        // What is not to be learned in any group needs no rollout; one stays, so that the stage ends.
+        let learned = |j: usize| self.groups.iter().any(|group| group.units.get(j).is_some_and(|unit| *unit > 0.0));
+        let first = columns.first().copied();
+        columns.retain(|&j| learned(j));
+        columns.extend(first.filter(|_| columns.is_empty()));
         let alone = |j: usize| self.sample(|_, group| group.perturbed(|i| if i == j { 1.0 } else { 0.0 }));
         self.queue = columns.iter().map(|&j| alone(j)).collect();
         self.columns = columns;

@@ -3,10 +3,14 @@
 //! Gains are those at the middle of each step, over the movement and as long again at its goal, where the phase still
 //! falls; the reference is that of the movement, at the nominal rate. The mathematics is [`hpf_core::passivity`].
 
-use hpf_core::passivity::{contact_stiffness_limit, first_order_fails_at, largest_offset, switched_energy};
+use hpf_core::admittance::{Inertial, OffsetMotion};
+use hpf_core::passivity::{
+    contact_stiffness_limit, first_order_fails_at, inertial_contact_stiffness_limit, inertial_decay, largest_offset,
+    switched_energy,
+};
 use hpf_core::{ConfigError, HybridPrimitive};
 
-use crate::Policy;
+use crate::{Policy, Task};
 
 /// Most steps of a schedule that are looked at.
 pub const MAX_CERTIFIED_STEPS: f64 = 4e6;
@@ -22,12 +26,18 @@ pub struct Conditions {
     pub load: f64,
 }
 
+/// Instants at which the largest offset of a tool with inertia is looked for.
+const INSTANTS: usize = 64;
+
 /// What one axis can do at worst.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// First time at which the schedule of gains is not passive from rest [s].
+    /// First time at which the schedule of gains is not passive from rest, with inertia as without [s].
     pub fails_at: Option<f64>,
-    /// Largest offset under any force within the load [axis unit].
+    /// Of a law of order 2, a decay that proves its free motion stable [1/s]: a sufficient test (Kronander and Billard,
+    /// IEEE T-RO 32(5):1298, 2016). A law of order 1 is always stable.
+    pub decay: Option<f64>,
+    /// Largest offset under any force within the load [axis unit]; with inertia, the largest at 64 instants.
     pub largest_offset: f64,
     /// Most energy that rising stiffness puts in while the offset stays within the largest [J].
     pub switched_energy: f64,
@@ -56,11 +66,71 @@ impl Policy {
         within("delay", delay, 0.0, 10.0)?;
         within("load", load, 0.0, 1e9)?;
         within("steps at this rate", 2.0 * self.duration_s * rate, 0.0, MAX_CERTIFIED_STEPS)?;
-        (0..self.axes.len()).map(|axis| Ok(certify(&self.axis(axis).to_hybrid()?, conditions))).collect()
+        let mass = |axis: usize| self.admittance.mass.as_ref().map(|mass| mass[axis]);
+        (0..self.axes.len()).map(|axis| certify(&self.axis(axis).to_hybrid()?, mass(axis), conditions)).collect()
     }
 }
 
-fn certify(skill: &HybridPrimitive<f64, Vec<f64>, 1>, conditions: &Conditions) -> Certificate {
+/// A contact that a task meets with a measured force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredContact {
+    /// Largest stiffness of the contact [N/m].
+    pub stiffness: f64,
+    /// Stiffness from which on the force loop may be unstable at the least damping that the task allows [N/m].
+    pub limit: f64,
+}
+
+impl Task {
+    /// The contact of a task whose force is measured, where it has both. The lag of an actuator counts as delay.
+    pub fn measured_contact(&self) -> Option<MeasuredContact> {
+        let contact = self.contact.as_ref()?;
+        let axis = self.axis_index(contact.axis())?;
+        if self.sensor.is_none() && self.actuator.is_none() {
+            return None;
+        }
+        let steps = 2 * self.steps();
+        let surface = |i: usize| contact.surface(i as f64 / steps as f64, self.axis[axis].start).stiffness;
+        let late = self.sensor.as_ref().map_or(0.0, |sensor| sensor.delay)
+            + self.actuator.as_ref().map_or(0.0, |actuator| actuator.lag);
+        let (damping, dt) = (self.damping.min.of(axis), self.rate.recip());
+        let limit = match &self.admittance.mass {
+            Some(mass) => inertial_contact_stiffness_limit(mass.of(axis), damping, late, dt),
+            None => contact_stiffness_limit(damping, late, dt),
+        };
+        Some(MeasuredContact { stiffness: (0..=steps).map(surface).fold(0.0, f64::max), limit })
+    }
+}
+
+/// The largest offset [m] that any force of at most `load` [N] can bring about from rest at one of [`INSTANTS`]: the sum
+/// of the response to a push in each step before, in size.
+fn largest_inertial_offset(gains: &[(f64, f64)], law: &Inertial<f64>, load: f64, h: f64) -> f64 {
+    let step = |&(stiffness, damping): &(f64, f64)| {
+        let to = |offset: f64, velocity: f64, force: f64| {
+            let mut motion = OffsetMotion { offset, velocity };
+            law.step(&mut motion, stiffness, damping, force, h);
+            [motion.offset, motion.velocity]
+        };
+        [to(1.0, 0.0, 0.0), to(0.0, 1.0, 0.0), to(0.0, 0.0, 1.0)]
+    };
+    let steps: Vec<[[f64; 2]; 3]> = gains.iter().map(step).collect();
+    let worst = |end: usize| {
+        // What offset and velocity before a step come to in the offset at the end.
+        let (mut weight, mut sum) = ([1.0, 0.0], 0.0);
+        for [offset, velocity, push] in steps[..end].iter().rev() {
+            let come_to = |[e, v]: [f64; 2]| weight[0] * e + weight[1] * v;
+            sum += come_to(*push).abs();
+            weight = [come_to(*offset), come_to(*velocity)];
+        }
+        load * sum
+    };
+    (1..=INSTANTS).map(|instant| worst(instant * steps.len() / INSTANTS)).fold(0.0, f64::max)
+}
+
+fn certify(
+    skill: &HybridPrimitive<f64, Vec<f64>, 1>,
+    mass: Option<f64>,
+    conditions: &Conditions,
+) -> Result<Certificate, ConfigError> {
     let (h, duration) = (conditions.rate.recip(), skill.phase().duration());
     let steps = (duration * conditions.rate).round().max(1.0) as usize;
     let gains: Vec<(f64, f64)> = (0..2 * steps)
@@ -69,10 +139,24 @@ fn certify(skill: &HybridPrimitive<f64, Vec<f64>, 1>, conditions: &Conditions) -
             (profile.stiffness, profile.damping)
         })
         .collect();
-    let offset = largest_offset(gains.iter().copied(), conditions.load, h);
+    let [axis] = skill.axes();
     let least_damping = gains.iter().map(|gain| gain.1).fold(f64::INFINITY, f64::min);
 
-    let [axis] = skill.axes();
+    let (decay, offset, contact_stiffness) = match mass {
+        Some(mass) => {
+            let law = Inertial::new(mass, axis.stiffness.max(), axis.damping.max(), h)?;
+            (
+                inertial_decay(gains.iter().copied(), mass, h),
+                largest_inertial_offset(&gains, &law, conditions.load, h),
+                inertial_contact_stiffness_limit(mass, least_damping, conditions.delay, h),
+            )
+        }
+        None => (
+            None,
+            largest_offset(gains.iter().copied(), conditions.load, h),
+            contact_stiffness_limit(least_damping, conditions.delay, h),
+        ),
+    };
     let (movement, mut state) = (&axis.movement, skill.initial_state());
     let (mut velocity, mut acceleration) = (0.0_f64, 0.0_f64);
     for step in 0..=steps {
@@ -85,13 +169,14 @@ fn certify(skill: &HybridPrimitive<f64, Vec<f64>, 1>, conditions: &Conditions) -
         velocity = velocity.max((z / duration).abs());
         acceleration = acceleration.max((pull / (duration * duration)).abs());
     }
-    Certificate {
+    Ok(Certificate {
         fails_at: first_order_fails_at(gains.iter().copied(), h),
+        decay,
         largest_offset: offset,
         switched_energy: switched_energy(gains.iter().map(|gain| gain.0), offset),
         least_damping,
-        contact_stiffness: contact_stiffness_limit(least_damping, conditions.delay, h),
+        contact_stiffness,
         peak_velocity: velocity,
         peak_acceleration: acceleration,
-    }
+    })
 }

@@ -1,14 +1,18 @@
-//! What acts on the tool: forces over time, and things to touch.
+//! What acts on the tool: forces over time, things to touch, and what lies between them and the tool.
 //!
 //! Force is counted as the environment's on the tool. A contact answers affinely, `F_c = K_e (y - y_s)` on the inner
 //! side of its surface and 0 beyond it, so that the step solves it together with the admittance law.
 
 pub mod cantilever;
 pub mod disturbance;
+mod quantity;
+mod sensor;
 pub mod wall;
 
 pub use cantilever::Cantilever;
 pub use disturbance::Disturbance;
+pub use quantity::{Distribution, Quantity};
+pub use sensor::{Actuator, Sensor};
 pub use wall::Wall;
 
 use schemars::JsonSchema;

@@ -18,10 +18,13 @@ mod start;
 pub mod task;
 mod trace;
 
-pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS};
+pub use certificate::{Certificate, Conditions, MAX_CERTIFIED_STEPS, MeasuredContact};
 pub use demonstration::{Demonstration, Imitated, Imitation, ImitationError};
 pub use metrics::Metric;
-pub use policy::{AxisPolicy, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyError, Provenance};
+pub use policy::{
+    AdmittancePolicy, AxisPolicy, Family, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyBasis,
+    PolicyError, Provenance,
+};
 pub use simulation::{Simulation, SimulationError, Workspace};
 pub use start::StartError;
 pub use task::{Diagnostic, Task};

@@ -8,7 +8,12 @@ use crate::trace::{AxisTrace, Trace};
 /// How long a motion may take to settle before its contact force is judged [s]; a shorter motion is judged at its end.
 pub const SETTLING_TIME: f64 = 0.1;
 
-/// One measure of a motion.
+/// The measure that is a mean over draws.
+const MAX_COST: &str = "max_cost";
+/// The measure that is a root mean square over via points and draws.
+const RMS_VIA_ERROR: &str = "rms_via_error";
+
+/// One measure of a motion, or of a policy over the draws of its motions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
     /// Its name: the key of its target in `[accept]` where it can have one.
@@ -33,7 +38,7 @@ impl Metric {
 type Signal = fn(&AxisTrace) -> &[f64];
 
 impl Simulation {
-    /// All measures of `trace`.
+    /// All measures of one motion; of a policy, see [`Simulation::evaluate`].
     pub fn metrics(&self, trace: &Trace) -> Vec<Metric> {
         let accept = &self.task.accept;
         let rotary = self.task.axis.iter().any(|axis| axis.unit == Unit::Rad);
@@ -72,13 +77,18 @@ impl Simulation {
                 .via_point
                 .iter()
                 .map(|via| distance(&|a| via.position[a], &|a| trace.sample(&trace.axes[a].position, via.time)));
-            metrics.push(metric("max_via_error", length, largest(errors), accept.max_via_error));
+            let errors: Vec<f64> = errors.collect();
+            metrics.push(metric("max_via_error", length, largest(errors.iter().copied()), accept.max_via_error));
+            if self.task.is_random() || accept.rms_via_error.is_some() {
+                let square = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
+                metrics.push(metric(RMS_VIA_ERROR, length, square.sqrt(), accept.rms_via_error));
+            }
         }
         let goal = distance(&|a| self.task.axis[a].goal, &|a| trace.axes[a].position[steps]);
         metrics.push(metric("max_goal_error", length, goal, accept.max_goal_error));
         let end_speed = distance(&|_| 0.0, &|a| trace.axes[a].velocity[steps]);
         metrics.push(metric("max_end_speed", speed, end_speed, accept.max_end_speed));
-        metrics.push(metric("max_cost", "", self.cost(trace).total(), accept.max_cost));
+        metrics.push(metric(MAX_COST, "", self.cost(trace).total(), accept.max_cost));
 
         let offsets = trace.axes.iter().flat_map(|axis| axis.position.iter().zip(&axis.reference_position));
         metrics.push(metric("peak_offset", length, largest(offsets.map(|(p, r)| (p - r).abs())), None));
@@ -93,6 +103,36 @@ impl Simulation {
         }
         metrics
     }
+}
+
+/// The measures of a policy from those of its motions, one set for each draw: of each measure the largest, the least of
+/// a least one, the mean of the cost, and the root of the mean square where it is one.
+pub(crate) fn over_draws(draws: Vec<Vec<Metric>>) -> Vec<Metric> {
+    let count = draws.len() as f64;
+    let mut draws = draws.into_iter();
+    let mut metrics = draws.next().unwrap_or_default();
+    let square = |name: &str| name == RMS_VIA_ERROR;
+    for metric in metrics.iter_mut().filter(|metric| square(metric.name)) {
+        metric.value *= metric.value;
+    }
+    for draw in draws {
+        for (metric, Metric { value, .. }) in metrics.iter_mut().zip(draw) {
+            metric.value = match metric.name {
+                MAX_COST => metric.value + value,
+                name if square(name) => metric.value + value * value,
+                name if name.ends_with("_min") => -largest([-metric.value, -value].into_iter()),
+                _ => largest([metric.value, value].into_iter()),
+            };
+        }
+    }
+    for metric in &mut metrics {
+        metric.value = match metric.name {
+            MAX_COST => metric.value / count,
+            name if square(name) => (metric.value / count).sqrt(),
+            _ => metric.value,
+        };
+    }
+    metrics
 }
 
 /// The largest of some numbers; NaN if one of them is, or there is none.

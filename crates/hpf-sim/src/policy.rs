@@ -1,9 +1,13 @@
 //! The policy file: a learned skill, complete in itself.
 
+mod basis;
+
 use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase, Real};
 use serde::{Deserialize, Serialize};
 
-use crate::task::{self, MAX_AXES, MAX_BASIS, NamedScaling, Scaling, Task, Unit};
+pub use basis::{Family, PolicyBasis};
+
+use crate::task::{self, MAX_AXES, NamedScaling, Scaling, Task, Unit};
 
 /// The format name inside a policy file.
 const FORMAT: &str = "hpf-policy";
@@ -46,8 +50,11 @@ pub struct PhasePolicy {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AdmittancePolicy {
-    /// Order of the law.
+    /// Order of the law, 1 or 2.
     pub order: u8,
+    /// Virtual mass of each axis for the law of order 2 [kg or kg m^2].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<Vec<f64>>,
 }
 
 /// The primitives of one axis.
@@ -80,9 +87,12 @@ pub struct MovementPolicy {
     pub beta: f64,
     /// Scale A of the forcing term [unit].
     pub forcing_scale: f64,
+    /// What the basis functions are Gaussians of.
+    #[serde(default, skip_serializing_if = "Family::is_phase")]
+    pub family: Family,
     /// Centers of the basis, oldest phase first.
     pub centers: Vec<f64>,
-    /// Widths h_i of the basis.
+    /// Widths h_i of the basis; of the time family, what a function has fallen to j spacings from its center.
     pub widths: Vec<f64>,
     /// One weight per basis function.
     pub weights: Vec<f64>,
@@ -96,9 +106,12 @@ pub struct GainPolicy {
     pub min: f64,
     /// Largest value [N/m or N s/m].
     pub max: f64,
+    /// What the basis functions are Gaussians of.
+    #[serde(default, skip_serializing_if = "Family::is_phase")]
+    pub family: Family,
     /// Centers of the basis, oldest phase first.
     pub centers: Vec<f64>,
-    /// Widths h_i of the basis.
+    /// Widths h_i of the basis; of the time family, what a function has fallen to j spacings from its center.
     pub widths: Vec<f64>,
     /// One weight per basis function, within the bounds.
     pub weights: Vec<f64>,
@@ -157,9 +170,6 @@ fn value_error(place: impl Into<String>, reason: impl ToString) -> PolicyError {
     PolicyError::Value { place: place.into(), reason: reason.to_string() }
 }
 
-/// Centers and widths.
-type BasisLists = (Vec<f64>, Vec<f64>);
-
 impl Policy {
     /// The policy before learning: the bare pull to the goal, with the task's initial stiffness and damping.
     ///
@@ -167,15 +177,14 @@ impl Policy {
     /// [`ConfigError`] where the task's numbers overflow; a checked task's do not in any ordinary range.
     pub fn initial(task: &Task) -> Result<Self, ConfigError> {
         let decay = task.phase.decay;
-        let lists = |count: usize, overlap: f64| -> Result<BasisLists, ConfigError> {
-            let basis = Basis::equally_spaced(decay, overlap, vec![0.0; count], vec![0.0; count])?;
-            Ok((basis.centers().to_vec(), basis.widths().to_vec()))
+        let lists = |functions: task::BasisFunctions, overlap: f64| {
+            basis::spaced(functions.family(), functions.count(), overlap, decay)
         };
         let movement = lists(task.movement.basis, task.movement.overlap)?;
         let gain = |gain: &task::Gain, i: usize| -> Result<GainPolicy, ConfigError> {
-            let (centers, widths) = lists(gain.basis, gain.overlap)?;
-            let weights = vec![gain.initial.of(i); gain.basis];
-            Ok(GainPolicy { min: gain.min.of(i), max: gain.max.of(i), centers, widths, weights })
+            let (family, centers, widths) = lists(gain.basis, gain.overlap)?;
+            let weights = vec![gain.initial.of(i); gain.basis.count()];
+            Ok(GainPolicy { min: gain.min.of(i), max: gain.max.of(i), family, centers, widths, weights })
         };
         let axes = task.axis.iter().enumerate().map(|(i, axis)| {
             let alpha = task.movement.alpha.of(i);
@@ -192,9 +201,10 @@ impl Policy {
                         Scaling::Named(NamedScaling::Unit) => 1.0,
                         Scaling::Given(given) => given.amplitude.of(i),
                     },
-                    centers: movement.0.clone(),
-                    widths: movement.1.clone(),
-                    weights: vec![0.0; task.movement.basis],
+                    family: movement.0,
+                    centers: movement.1.clone(),
+                    widths: movement.2.clone(),
+                    weights: vec![0.0; task.movement.basis.count()],
                 },
                 stiffness: gain(&task.stiffness, i)?,
                 damping: gain(&task.damping, i)?,
@@ -206,7 +216,10 @@ impl Policy {
             task: task.name.clone(),
             duration_s: task.duration,
             phase: PhasePolicy { decay },
-            admittance: AdmittancePolicy { order: task.admittance.order },
+            admittance: AdmittancePolicy {
+                order: task.admittance.order,
+                mass: task.admittance.mass.as_ref().map(|mass| (0..task.axis.len()).map(|i| mass.of(i)).collect()),
+            },
             axes: axes.collect::<Result<_, _>>()?,
             provenance: Provenance {
                 hpf: env!("CARGO_PKG_VERSION").into(),
@@ -257,19 +270,18 @@ impl Policy {
     fn check(&self) -> Result<(), PolicyError> {
         Phase::new(self.duration_s, self.phase.decay)
             .map_err(|reason| value_error("duration_s, phase.decay", reason))?;
-        if self.admittance.order != 1 {
-            return Err(value_error("admittance.order", format!("must be 1, not {}", self.admittance.order)));
-        }
         if !(1..=MAX_AXES).contains(&self.axes.len()) {
             return Err(value_error("axes", format!("1 to {MAX_AXES} are allowed, not {}", self.axes.len())));
         }
+        self.admittance.check(self.axes.len())?;
         for (i, axis) in self.axes.iter().enumerate() {
             let place = format!("axes[{i}]");
             if self.axes[..i].iter().any(|other| other.name == axis.name) {
                 return Err(value_error(format!("{place}.name"), format!("two axes are called `{}`", axis.name)));
             }
             let movement = &axis.movement;
-            check_basis(&format!("{place}.movement"), &movement.centers, &movement.widths, &movement.weights)?;
+            let decay = self.phase.decay;
+            movement.basis().check(&format!("{place}.movement"), decay, &movement.weights)?;
             if (movement.beta - 0.25 * movement.alpha).abs() > 1e-12 * movement.alpha.abs() {
                 let reason = format!("must be alpha/4 = {}, not {}", 0.25 * movement.alpha, movement.beta);
                 return Err(value_error(format!("{place}.movement.beta"), reason));
@@ -279,7 +291,7 @@ impl Policy {
                 .map_err(|reason| value_error(&place, reason))?;
             for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
                 let place = format!("{place}.{name}");
-                check_basis(&place, &gain.centers, &gain.widths, &gain.weights)?;
+                gain.basis().check(&place, decay, &gain.weights)?;
                 Gain::new(gain.min, gain.max, []).map_err(|reason| value_error(&place, reason))?;
                 for (j, &weight) in gain.weights.iter().enumerate() {
                     Gain::new(gain.min, gain.max, [weight])
@@ -287,12 +299,13 @@ impl Policy {
                 }
             }
             for (name, mine, first) in [
-                ("movement", movement.lists(), self.axes[0].movement.lists()),
-                ("stiffness", axis.stiffness.lists(), self.axes[0].stiffness.lists()),
-                ("damping", axis.damping.lists(), self.axes[0].damping.lists()),
+                ("movement", movement.basis(), self.axes[0].movement.basis()),
+                ("stiffness", axis.stiffness.basis(), self.axes[0].stiffness.basis()),
+                ("damping", axis.damping.basis(), self.axes[0].damping.basis()),
             ] {
                 if mine != first {
-                    let reason = "centers and widths differ from those of axes[0]: axes share one basis per primitive";
+                    let reason =
+                        "family, centers or widths differ from those of axes[0]: axes share one basis per primitive";
                     return Err(value_error(format!("{place}.{name}"), reason));
                 }
             }
@@ -305,15 +318,15 @@ impl Policy {
         Phase::new(self.duration_s, self.phase.decay)
     }
 
-    /// The bases of movement, stiffness and damping.
-    pub(crate) fn bases(&self) -> Result<[Basis<f64, Vec<f64>>; 3], ConfigError> {
+    /// The bases of movement, stiffness and damping in the scalar `T`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for a policy without axes, and where a number cannot be in `T`.
+    pub fn bases<T: Real>(&self) -> Result<[Basis<T, Vec<T>>; 3], ConfigError> {
         let axis = self.axes.first().ok_or(ConfigError::TooFew { field: "axes", count: 0, least: 1 })?;
-        let (stiffness, damping) = (&axis.stiffness, &axis.damping);
-        Ok([
-            Basis::new(axis.movement.centers.clone(), axis.movement.widths.clone())?,
-            Basis::new(stiffness.centers.clone(), stiffness.widths.clone())?,
-            Basis::new(damping.centers.clone(), damping.widths.clone())?,
-        ])
+        let bases = [axis.movement.basis(), axis.stiffness.basis(), axis.damping.basis()];
+        let [movement, stiffness, damping] = bases.map(|basis| basis.to_basis(self.phase.decay));
+        Ok([movement?, stiffness?, damping?])
     }
 
     /// The skill that a control loop steps, with `D` axes.
@@ -344,11 +357,8 @@ impl Policy {
         let axes: Vec<_> = axes.collect::<Result<_, ConfigError>>()?;
         let found = axes.len();
         let axes = axes.try_into().map_err(|_| ConfigError::LengthMismatch { field: "axes", found, expected: D })?;
-        let first = self.axes.first().ok_or(ConfigError::TooFew { field: "axes", count: 0, least: 1 })?;
-        let bases = [first.movement.lists(), first.stiffness.lists(), first.damping.lists()];
-        let [movement, stiffness, damping] = bases.map(|(centers, widths)| Basis::new(list(centers), list(widths)));
         let phase = Phase::new(T::of(self.duration_s), T::of(self.phase.decay))?;
-        HybridPrimitive::new(phase, [movement?, stiffness?, damping?], axes)
+        HybridPrimitive::new(phase, self.bases()?, axes)
     }
 
     /// The same policy with one of its axes alone.
@@ -356,8 +366,12 @@ impl Policy {
     /// # Panics
     /// If there is no such axis.
     pub fn axis(&self, axis: usize) -> Self {
-        let Self { format, version, task, duration_s, phase, admittance, axes, provenance } = self.clone();
-        Self { format, version, task, duration_s, phase, admittance, axes: vec![axes[axis].clone()], provenance }
+        let mass = self.admittance.mass.as_ref().map(|mass| vec![mass[axis]]);
+        Self {
+            admittance: AdmittancePolicy { order: self.admittance.order, mass },
+            axes: vec![self.axes[axis].clone()],
+            ..self.clone()
+        }
     }
 
     /// All weights, axis by axis: movement, stiffness, damping.
@@ -366,43 +380,51 @@ impl Policy {
         lists.flatten().copied().collect()
     }
 
-    /// The same policy with other weights, in the order of [`Policy::weights`].
+    /// The same policy with other weights, in the order of [`Policy::weights`]. Where there is a number more for each
+    /// axis, it is the axis' goal and comes after its weights.
     pub fn with_weights(mut self, weights: &[f64]) -> Self {
+        let count =
+            |axis: &AxisPolicy| axis.movement.weights.len() + axis.stiffness.weights.len() + axis.damping.weights.len();
+        let has_goals = weights.len() == self.axes.iter().map(count).sum::<usize>() + self.axes.len();
         let mut next = weights.iter().copied();
-        let lists = self
-            .axes
-            .iter_mut()
-            .flat_map(|axis| [&mut axis.movement.weights, &mut axis.stiffness.weights, &mut axis.damping.weights]);
-        for (slot, weight) in lists.flatten().zip(&mut next) {
-            *slot = weight;
+        for axis in &mut self.axes {
+            let lists = [&mut axis.movement.weights, &mut axis.stiffness.weights, &mut axis.damping.weights];
+            let goal = has_goals.then_some(&mut axis.goal);
+            for (slot, weight) in lists.into_iter().flatten().chain(goal).zip(&mut next) {
+                *slot = weight;
+            }
         }
         self
     }
 }
 
+impl AdmittancePolicy {
+    fn check(&self, axes: usize) -> Result<(), PolicyError> {
+        let refuse = |reason: String| Err(value_error("admittance.mass", reason));
+        match (self.order, &self.mass) {
+            (1, None) => Ok(()),
+            (1, Some(_)) => refuse("a law of order 1 has none".into()),
+            (2, None) => refuse("missing: a law of order 2 has one".into()),
+            (2, Some(mass)) if mass.len() != axes => refuse(format!("{} numbers for {axes} axes", mass.len())),
+            (2, Some(mass)) => match mass.iter().find(|mass| !(mass.is_finite() && **mass > 0.0)) {
+                Some(mass) => refuse(format!("must be above 0 and finite, not {mass}")),
+                None => Ok(()),
+            },
+            (order, _) => Err(value_error("admittance.order", format!("must be 1 or 2, not {order}"))),
+        }
+    }
+}
+
 impl MovementPolicy {
-    fn lists(&self) -> (&Vec<f64>, &Vec<f64>) {
-        (&self.centers, &self.widths)
+    /// Its basis.
+    pub fn basis(&self) -> PolicyBasis<'_> {
+        PolicyBasis { family: self.family, centers: &self.centers, widths: &self.widths }
     }
 }
 
 impl GainPolicy {
-    fn lists(&self) -> (&Vec<f64>, &Vec<f64>) {
-        (&self.centers, &self.widths)
+    /// Its basis.
+    pub fn basis(&self) -> PolicyBasis<'_> {
+        PolicyBasis { family: self.family, centers: &self.centers, widths: &self.widths }
     }
-}
-
-fn check_basis(place: &str, centers: &[f64], widths: &[f64], weights: &[f64]) -> Result<(), PolicyError> {
-    Basis::new(centers, widths).map_err(|reason| value_error(place, reason))?;
-    if centers.len() > MAX_BASIS {
-        return Err(value_error(
-            place,
-            format!("at most {MAX_BASIS} basis functions are allowed, not {}", centers.len()),
-        ));
-    }
-    if weights.len() != centers.len() {
-        let reason = format!("{} weights for {} centers", weights.len(), centers.len());
-        return Err(value_error(format!("{place}.weights"), reason));
-    }
-    Ok(())
 }

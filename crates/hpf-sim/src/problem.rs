@@ -8,7 +8,7 @@ use hpf_learn::{
 };
 
 use crate::environment::cantilever::minimum_jerk;
-use crate::policy::Policy;
+use crate::policy::{AxisPolicy, Policy};
 use crate::simulation::{LANES, Simulation, Workspace};
 use crate::task::{self, AnnealKind, CreditKind, ExplorationKind, InitialPath, Learning, Preset, TemperatureKind};
 
@@ -31,16 +31,20 @@ impl Problem for Simulation {
         Workspace::default()
     }
 
-    fn rollout(&self, _: Draws, parameters: Parameters<'_>, workspace: &mut Workspace, cost: &mut Cost) {
-        self.roll_costs(&[parameters], workspace, slice::from_mut(cost));
+    fn motions(&self) -> usize {
+        self.task.draws()
+    }
+
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Workspace, cost: &mut Cost) {
+        self.roll_draws(draws, &[parameters], workspace, slice::from_mut(cost));
     }
 
     fn together(&self) -> usize {
         LANES
     }
 
-    fn rollouts(&self, _: Draws, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
-        self.roll_costs(parameters, workspace, costs);
+    fn rollouts(&self, draws: Draws, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
+        self.roll_draws(draws, parameters, workspace, costs);
     }
 
     fn signals(&self) -> Option<&SignalModel> {
@@ -49,16 +53,13 @@ impl Problem for Simulation {
 
     fn measure(
         &self,
-        _: Draws,
+        draws: Draws,
         parameters: Parameters<'_>,
         workspace: &mut Workspace,
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
-        self.rollout_into(parameters, trace);
-        self.cost_into(trace, cost);
-        self.signals_into(trace, signals);
+        self.measure_draws(draws, parameters, workspace, cost, signals);
     }
 }
 
@@ -129,7 +130,18 @@ const PAPER_LAMBDA: f64 = 0.1;
 const START_PENALTY: f64 = 1e-9;
 
 impl Simulation {
-    /// The weights that learning starts from: the policy's own, or those of the path that the task asks for.
+    /// The parameters of `policy` in the order that rollouts take them: its weights, axis by axis, and after those of
+    /// each axis its goal where the task learns goals.
+    pub fn parameters(&self, policy: &Policy) -> Vec<f64> {
+        let learns_goal = self.task.learns_goal();
+        let axis = |axis: &AxisPolicy| {
+            let lists = [&axis.movement.weights, &axis.stiffness.weights, &axis.damping.weights];
+            lists.into_iter().flatten().copied().chain(learns_goal.then_some(axis.goal)).collect::<Vec<_>>()
+        };
+        policy.axes.iter().flat_map(axis).collect()
+    }
+
+    /// The parameters that learning starts from: the policy's own, or those of the path that the task asks for.
     ///
     /// # Errors
     /// [`fit::FitError`] where the path cannot be fitted.
@@ -138,7 +150,9 @@ impl Simulation {
         if self.task.learning.initial_path == InitialPath::MinimumJerk {
             let phases = self.blank_trace().phase;
             let middle: Vec<f64> = phases.windows(2).map(|pair| (pair[0] * pair[1]).sqrt()).collect();
-            for (axis, blocks) in policy.axes.iter_mut().zip(self.blocks.chunks_exact(3)) {
+            for (axis, blocks) in
+                policy.axes.iter_mut().zip(self.blocks.chunks_exact(self.blocks.len() / self.task.axis.len()))
+            {
                 let steps = self.step_count();
                 let path = |i: usize| axis.start + (axis.goal - axis.start) * minimum_jerk(i as f64 / steps as f64);
                 let positions: Vec<f64> = (0..=steps).map(path).collect();
@@ -151,6 +165,6 @@ impl Simulation {
                 movement.weights = fit::ridge(&features, blocks[0].count, &forcing, penalty)?;
             }
         }
-        Ok(policy.weights())
+        Ok(self.parameters(&policy))
     }
 }

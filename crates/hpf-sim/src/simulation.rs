@@ -14,21 +14,27 @@
 
 mod batch;
 mod blocks;
+mod circumstances;
+mod draws;
+mod inertial;
+mod measured;
 mod motion;
 mod profiles;
 mod table;
 mod tool;
 
-use hpf_core::{ConfigError, Lanes};
+use hpf_core::admittance::Inertial;
+use hpf_core::{ConfigError, Lanes, Real as _};
 use hpf_learn::{Block, Cost, Parameters, SignalModel};
 
 use crate::cost::{CostModel, Term};
-use crate::environment::Disturbance;
-use crate::environment::disturbance::Side;
 use crate::policy::Policy;
 use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
-use motion::{Reference, roll};
+use circumstances::{Circumstances, Met, Set};
+use inertial::{FreeInertial, TouchingInertial};
+use measured::{Measured, Robot};
+use motion::{Reference, Tool, roll};
 use profiles::{Profiles, Tables};
 use table::Table;
 use tool::{ContactModel, Free, Touching};
@@ -86,6 +92,10 @@ pub struct Simulation {
     contact: Option<ContactModel>,
     cost: CostModel,
     pub(crate) signals: SignalModel,
+    /// The first of the draws that policies are measured by: what a trace shows.
+    shown: Circumstances,
+    is_random: bool,
+    robot: Option<Robot>,
     instructions: pulp::Arch,
 }
 
@@ -94,10 +104,11 @@ pub struct Simulation {
 struct AxisModel {
     alone: Reference<1>,
     together: Reference<LANES>,
-    /// Where its parameters start, and where each primitive's ends.
-    parameters: [usize; 4],
-    /// Disturbing force just after the start and just before the end of each step, and after the last.
-    force: Vec<(f64, f64)>,
+    /// Where its parameters start, and where each primitive's and the goal end.
+    parameters: [usize; 5],
+    /// The law of its tool, where it has inertia.
+    inertial: Option<Inertial<f64>>,
+    largest_stiffness: f64,
 }
 
 impl Simulation {
@@ -131,29 +142,6 @@ impl Simulation {
         let bases = policy.bases()?;
         let time: Vec<f64> = (0..=steps).map(|i| i as f64 * dt).collect();
 
-        let mut parameters = 0;
-        let mut axes = Vec::new();
-        for axis in &policy.axes {
-            let m = &axis.movement;
-            let counts = [m.weights.len(), axis.stiffness.weights.len(), axis.damping.weights.len()];
-            let mut ends = [parameters; 4];
-            for (j, count) in counts.into_iter().enumerate() {
-                ends[j + 1] = ends[j] + count;
-            }
-            parameters = ends[3];
-            let acting: Vec<&Disturbance> = task.disturbance.iter().filter(|d| d.axis() == axis.name).collect();
-            let force = |time: f64, side: Side| acting.iter().map(|d| d.force(time, side)).sum::<f64>();
-            let after = |i: usize| force(time[i], Side::After);
-            let steps_force = (0..steps).map(|i| (after(i), force(time[i + 1], Side::Before)));
-            let numbers = [axis.start, axis.goal, m.alpha, m.forcing_scale];
-            axes.push(AxisModel {
-                alone: Reference::new(numbers, dt, duration)?,
-                together: Reference::new(numbers, dt, duration)?,
-                parameters: ends,
-                force: steps_force.chain([(after(steps), after(steps))]).collect(),
-            });
-        }
-
         let contact = task.contact.as_ref().and_then(|contact| {
             let axis = task.axis_index(contact.axis())?;
             let start = policy.axes[axis].start;
@@ -164,6 +152,30 @@ impl Simulation {
                 surfaces: (0..=2 * steps).map(surface).collect(),
             })
         });
+        let mut parameters = 0;
+        let mut axes: Vec<AxisModel> = Vec::new();
+        for axis in &policy.axes {
+            let m = &axis.movement;
+            let counts = [m.weights.len(), axis.stiffness.weights.len(), axis.damping.weights.len()];
+            let counts = counts.into_iter().chain([usize::from(task.learns_goal())]);
+            let mut ends = [parameters; 5];
+            for (j, count) in counts.enumerate() {
+                ends[j + 1] = ends[j] + count;
+            }
+            parameters = ends[4];
+            let numbers = [axis.start, axis.goal, m.alpha, m.forcing_scale];
+            let touched = contact.as_ref().filter(|contact| contact.axis == axes.len());
+            let most = axis.stiffness.max + touched.map_or(0.0, ContactModel::largest_stiffness);
+            let mass = policy.admittance.mass.as_ref().map(|mass| mass[axes.len()]);
+            let inertia = mass.map(|mass| [mass, most, axis.damping.max]);
+            axes.push(AxisModel {
+                alone: Reference::new(numbers, inertia, dt, duration)?,
+                together: Reference::new(numbers, inertia, dt, duration)?,
+                parameters: ends,
+                inertial: inertia.map(|[mass, most, damping]| Inertial::new(mass, most, damping, dt)).transpose()?,
+                largest_stiffness: axis.stiffness.max,
+            });
+        }
         let blank = Trace {
             phase: half_steps.iter().copied().step_by(2).collect(),
             axes: vec![AxisTrace::sized(steps + 1); axes.len()],
@@ -183,15 +195,20 @@ impl Simulation {
             stiffness: Table::new(&bases[1], half_steps.iter().copied()),
             damping: Table::new(&bases[2], half_steps.iter().copied()),
         };
-        let counts: Vec<usize> = axes.iter().map(|axis| axis.parameters[3] - axis.parameters[0]).collect();
+        let counts: Vec<usize> = axes.iter().map(|axis| axis.parameters[4] - axis.parameters[0]).collect();
         let prices = |a| {
             let [stiffness, damping] = cost.gain_prices(a, &tables.stiffness.samples(), &tables.damping.samples(), dt);
-            [Vec::new(), stiffness, damping]
+            let goal = task.learns_goal().then(Vec::new);
+            [Vec::new(), stiffness, damping].into_iter().chain(goal)
         };
+        let groups = cost.signal_groups(&counts, steps, contact.as_ref().map(|contact| contact.axis));
         let signals = SignalModel {
-            groups: cost.signal_groups(&counts, steps, contact.as_ref().map(|contact| contact.axis)),
+            groups: draws::repeated(groups, task.draws()),
             price: (0..axes.len()).flat_map(prices).collect(),
         };
+        let mut evaluation = Circumstances::of_set(task, Set::Evaluation, task.evaluation_draws());
+        let shown = evaluation.next().expect("at least one draw");
+        drop(evaluation);
         Ok(Self {
             blocks: blocks::blocks(task, policy, &bases, &middle_phase),
             task: task.clone(),
@@ -203,6 +220,9 @@ impl Simulation {
             contact,
             cost,
             signals,
+            shown,
+            is_random: task.is_random(),
+            robot: Robot::of(task, dt),
             instructions: pulp::Arch::new(),
         })
     }
@@ -225,7 +245,8 @@ impl Simulation {
         self.blank.clone()
     }
 
-    /// The motion of the skill with `weights`, in the order of [`Policy::weights`].
+    /// The motion of the skill with `weights`, in the order of [`Simulation::parameters`]; where something is drawn, in
+    /// the first of the draws that policies are measured by.
     pub fn rollout(&self, weights: &[f64]) -> Trace {
         let mut trace = self.blank_trace();
         self.rollout_into(Parameters::Constant(weights), &mut trace);
@@ -254,18 +275,23 @@ impl Simulation {
         &Term::NAMES
     }
 
-    /// Writes the motion of the skill with `parameters` into `trace`.
+    /// Writes the motion of the skill with `parameters` into `trace`, as [`Simulation::rollout`].
     pub fn rollout_into(&self, parameters: Parameters<'_>, trace: &mut Trace) {
+        self.rollout_met(&self.shown, parameters, trace);
+    }
+
+    /// Writes the motion of the skill that meets `met` into `trace`.
+    fn rollout_met(&self, met: &Circumstances, parameters: Parameters<'_>, trace: &mut Trace) {
         for (a, (model, axis)) in self.axes.iter().zip(&mut trace.axes).enumerate() {
             let contact = trace.contact.as_mut().filter(|contact| contact.axis == a);
             let profiles = self.rowwise(model, parameters);
-            self.roll_axis(a, &model.alone, &profiles, Recorder { axis, contact });
+            self.roll_axis(a, &model.alone, &profiles, &met.axes[a], Recorder { axis, contact });
         }
     }
 
     /// Number of parameters of all axes.
     fn parameter_count(&self) -> usize {
-        self.axes.last().map_or(0, |axis| axis.parameters[3])
+        self.axes.last().map_or(0, |axis| axis.parameters[4])
     }
 
     /// The motion of axis `a`, each sample handed to `sink`.
@@ -275,16 +301,38 @@ impl Simulation {
         a: usize,
         reference: &Reference<N>,
         profiles: &impl Profiles<N>,
+        met: &Met,
         sink: impl Sink<N>,
     ) {
-        let forces = &self.axes[a].force;
-        match self.contact.as_ref().filter(|contact| contact.axis == a) {
-            Some(contact) => {
-                roll(reference, &self.middle_phase, profiles, Touching::new(self.dt, forces, contact), sink);
+        let (dt, phases, forces) = (self.dt, &self.middle_phase, &met.forces);
+        let contact = self.contact.as_ref().filter(|contact| contact.axis == a);
+        if let Some(robot) = self.robot {
+            let tool = Measured::new(dt, robot, met, contact, reference.inertial, reference.start());
+            return roll_rarely(reference, phases, profiles, tool, sink);
+        }
+        match (contact, reference.inertial, self.axes[a].inertial) {
+            (Some(contact), _, Some(law)) => {
+                let held = [self.axes[a].largest_stiffness, reference.start().to_f64()];
+                let tool = TouchingInertial::new(dt, forces, contact, law, held);
+                roll_rarely(reference, phases, profiles, tool, sink);
             }
-            None => roll(reference, &self.middle_phase, profiles, Free::new(self.dt, forces), sink),
+            (Some(contact), ..) => roll(reference, phases, profiles, Touching::new(dt, forces, contact), sink),
+            (None, Some(law), _) => roll(reference, phases, profiles, FreeInertial::new(dt, forces, law), sink),
+            (None, None, _) => roll(reference, phases, profiles, Free::new(dt, forces), sink),
         }
     }
+}
+
+/// [`roll`] for tools that gain nothing from vector registers, compiled once.
+#[inline(never)]
+fn roll_rarely<const N: usize>(
+    reference: &Reference<N>,
+    middle_phase: &[f64],
+    profiles: &impl Profiles<N>,
+    tool: impl Tool<N>,
+    sink: impl Sink<N>,
+) {
+    roll(reference, middle_phase, profiles, tool, sink);
 }
 
 /// Writes the samples of one axis into its trace.

@@ -70,6 +70,15 @@ impl Policy {
                 let (mine, wanted) = (gain(mine), gain(wanted));
                 [&mine.centers, &mine.widths, &wanted.centers, &wanted.widths]
             };
+            for (primitive, mine, wanted) in [
+                ("movement", mine.movement.family, wanted.movement.family),
+                ("stiffness", mine.stiffness.family, wanted.stiffness.family),
+                ("damping", mine.damping.family, wanted.damping.family),
+            ] {
+                if core::mem::discriminant(&mine) != core::mem::discriminant(&wanted) {
+                    found.push(format!("axis `{name}`: another family of the basis of {primitive}"));
+                }
+            }
             let lists = [
                 ("movement", movement),
                 ("stiffness", gain(|axis| &axis.stiffness)),

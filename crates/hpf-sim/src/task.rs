@@ -4,6 +4,7 @@
 //! below are the file format: [`Task::schema`] and the checks are made from them, so that neither can fall behind.
 //! SI units; a per-axis value is one number for all axes or an array in axis order.
 
+mod basis;
 mod keys;
 mod learning;
 mod process;
@@ -15,8 +16,9 @@ use core::ops::Range;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::environment::{Contact, Disturbance};
+use crate::environment::{Actuator, Contact, Disturbance, Sensor};
 
+pub use basis::{BasisFamily, BasisFunctions, BasisTable};
 pub(crate) use keys::nearest;
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
@@ -75,6 +77,10 @@ pub struct Task {
     pub disturbance: Vec<Disturbance>,
     /// What the tool touches.
     pub contact: Option<Contact>,
+    /// How force is measured; left out, it is known.
+    pub sensor: Option<Sensor>,
+    /// How the tool follows its command; left out, at once.
+    pub actuator: Option<Actuator>,
     /// Positions to pass through.
     #[serde(default)]
     #[schemars(length(max = 100))]
@@ -140,9 +146,8 @@ impl Default for Phase {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Movement {
-    /// Number of basis functions.
-    #[schemars(range(min = 2, max = 1000))]
-    pub basis: usize,
+    /// Basis functions: their number, or their family with it.
+    pub basis: BasisFunctions,
     /// Value of a basis function at its neighbour's center.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub overlap: f64,
@@ -155,7 +160,7 @@ pub struct Movement {
 impl Default for Movement {
     fn default() -> Self {
         Self {
-            basis: 20,
+            basis: BasisFunctions::default(),
             overlap: hpf_core::basis::DEFAULT_OVERLAP,
             alpha: PerAxis::All(hpf_core::movement::DEFAULT_ALPHA),
             scaling: Scaling::Named(NamedScaling::Goal),
@@ -195,10 +200,9 @@ pub struct Amplitude {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
 pub struct Gain {
-    /// Number of basis functions.
-    #[serde(default = "default_basis")]
-    #[schemars(range(min = 2, max = 1000))]
-    pub basis: usize,
+    /// Basis functions: their number, or their family with it.
+    #[serde(default)]
+    pub basis: BasisFunctions,
     /// Value of a basis function at its neighbour's center.
     #[serde(default = "default_overlap")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
@@ -211,10 +215,6 @@ pub struct Gain {
     pub max: PerAxis,
 }
 
-fn default_basis() -> usize {
-    20
-}
-
 fn default_overlap() -> f64 {
     hpf_core::basis::DEFAULT_OVERLAP
 }
@@ -224,14 +224,16 @@ fn default_overlap() -> f64 {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Admittance {
-    /// Order of the law: 1, `d e' + k e = f`.
-    #[schemars(range(min = 1, max = 1))]
+    /// Order of the law: 1, `d e' + k e = f`, or 2, `m e'' + d e' + k e = f`.
+    #[schemars(range(min = 1, max = 2))]
     pub order: u8,
+    /// Virtual mass m of the law of order 2 [kg or kg m^2], above 0.
+    pub mass: Option<PerAxis>,
 }
 
 impl Default for Admittance {
     fn default() -> Self {
-        Self { order: 1 }
+        Self { order: 1, mass: None }
     }
 }
 
@@ -281,7 +283,8 @@ pub struct Output {
     pub snapshots: Vec<usize>,
 }
 
-/// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss.
+/// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss. Where something is drawn, the worst of
+/// `evaluation_draws` motions counts; of the cost, their mean.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -298,6 +301,9 @@ pub struct Accept {
     /// Largest distance to a via point at its time [m].
     #[schemars(range(min = 0))]
     pub max_via_error: Option<f64>,
+    /// Root of the mean square distance to the via points at their times, over all draws [m].
+    #[schemars(range(min = 0))]
+    pub rms_via_error: Option<f64>,
     /// Largest distance to the goal at the end [m].
     #[schemars(range(min = 0))]
     pub max_goal_error: Option<f64>,
@@ -398,6 +404,36 @@ impl Task {
     /// Steps of one rollout: duration times rate.
     pub fn steps(&self) -> usize {
         (self.duration * self.rate).round() as usize
+    }
+
+    /// Whether motions differ by more than their policy: something is drawn.
+    pub fn is_random(&self) -> bool {
+        let is_drawn =
+            |disturbance: &Disturbance| disturbance.quantities().iter().any(|(_, number)| !number.is_fixed());
+        self.disturbance.iter().any(is_drawn) || self.sensor.as_ref().is_some_and(Sensor::is_random)
+    }
+
+    /// Motions of one rollout in learning: its draws, one where nothing is drawn.
+    pub fn draws(&self) -> usize {
+        if self.is_random() { self.learning.draws } else { 1 }
+    }
+
+    /// Motions that the measures of a policy are taken over, one where nothing is drawn.
+    pub fn evaluation_draws(&self) -> usize {
+        if self.is_random() { self.learning.evaluation_draws } else { 1 }
+    }
+
+    /// Whether `primitive` (movement, stiffness, damping or goal) of axis `axis` is learned.
+    pub fn learns(&self, axis: usize, primitive: &str) -> bool {
+        self.learning.learn.iter().any(|part| match part.split_once('.') {
+            Some((name, part)) => part == primitive && self.axis[axis].name == name,
+            None => part == primitive,
+        })
+    }
+
+    /// Whether the goal of some axis is learned: parameters then hold the goal of every axis.
+    pub fn learns_goal(&self) -> bool {
+        (0..self.axis.len()).any(|axis| self.learns(axis, "goal"))
     }
 
     /// The position of axis `name` in the list of axes.

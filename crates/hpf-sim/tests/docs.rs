@@ -56,12 +56,13 @@ impl<'s> Page<'s> {
                         member["properties"].as_object().into_iter().flatten().map(|p| p.0).collect();
                     match keys.as_slice() {
                         [only] => format!("`{{ {only} = ... }}`"),
-                        _ => return "table, see below".to_owned(),
+                        _ => "table, see below".to_owned(),
                     }
                 }
                 kind => kind.to_owned(),
             });
         }
+        words.dedup();
         let mut limits = vec![words.join(" or ")];
         let bounds = [("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<")];
         for (name, sign) in bounds {
@@ -116,7 +117,10 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
         ("[phase]", "Phase"),
         ("[movement]", "Movement"),
         ("[stiffness] and [damping]", "Gain"),
+        ("[movement], [stiffness] and [damping] basis", "BasisTable"),
         ("[admittance]", "Admittance"),
+        ("[sensor]", "Sensor"),
+        ("[actuator]", "Actuator"),
         ("[[via_point]]", "ViaPoint"),
         ("[cost]", "CostWeights"),
         ("[learning]", "Learning"),

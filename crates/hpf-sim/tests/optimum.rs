@@ -57,7 +57,7 @@ impl Oracle {
         }
         let simulation = Simulation::new(&task, &policy).unwrap();
         let base = policy.weights();
-        let count = task.movement.basis;
+        let count = task.movement.basis.count();
         let per_axis = base.len() / 2;
         let places: Vec<usize> = (0..count).chain(per_axis..per_axis + count).collect();
 

@@ -178,12 +178,12 @@ fn impossible_numbers_are_refused_by_place() {
         (|p| p.axes[0].damping.min = 0.0, "axes[0].damping: min must be positive, not 0"),
         (|p| p.duration_s = 0.0, "duration_s, phase.decay: duration must be positive, not 0"),
         (|p| p.phase.decay = -1.0, "duration_s, phase.decay: decay must be positive, not -1"),
-        (|p| p.admittance.order = 2, "admittance.order: must be 1, not 2"),
+        (|p| p.admittance.order = 3, "admittance.order: must be 1 or 2, not 3"),
         (|p| p.axes[0].movement.centers[3] = 0.9, "axes[0].movement: centers must fall from each entry to the next"),
         (|p| p.axes[0].movement.widths[3] = -0.9, "axes[0].movement: widths must be positive, not -0.9"),
         (
             |p| p.axes[1].stiffness.centers[3] += 1e-9,
-            "axes[1].stiffness: centers and widths differ from those of axes[0]: axes share one basis per primitive",
+            "axes[1].stiffness: family, centers or widths differ from those of axes[0]: axes share one basis per primitive",
         ),
     ];
     for (change, message) in changes {

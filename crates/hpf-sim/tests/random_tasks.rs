@@ -68,7 +68,10 @@ fn learn(seed: u64) -> Result<(), String> {
     check_policy(&policy, task.rate)?;
     let trace = simulation.rollout(&history.best.weights);
     check_trace(&task, &trace)?;
-    match simulation.metrics(&trace).iter().find(|metric| !metric.value.is_finite()) {
+    if simulation.parameters(&policy) != history.best.weights {
+        return Err("the policy has other parameters than were learned".into());
+    }
+    match simulation.evaluate(&history.best.weights).1.iter().find(|metric| !metric.value.is_finite()) {
         Some(metric) => Err(format!("{} is {}", metric.name, metric.value)),
         None => Ok(()),
     }

@@ -28,7 +28,7 @@ fn every_shipped_task_is_accepted_and_can_be_simulated() {
 #[test]
 fn what_is_left_out_has_the_papers_value() {
     let task = Task::parse(REACH).unwrap();
-    assert_eq!((task.movement.basis, task.stiffness.basis, task.admittance.order), (20, 20, 1));
+    assert_eq!((task.movement.basis.count(), task.stiffness.basis.count(), task.admittance.order), (20, 20, 1));
     assert_eq!(task.movement.alpha, PerAxis::All(25.0));
     assert!((task.phase.decay - 100.0_f64.ln()).abs() < 1e-15);
     assert!(task.contact.is_none() && task.via_point.is_empty());
@@ -93,7 +93,7 @@ fn one_elsewhere(text: &str, (from, to): (&str, &str), elsewhere: &str, message:
 #[test]
 fn an_unknown_key_names_the_nearest_one() {
     let keys = "the task takes: name, duration, rate, axis, phase, movement, stiffness, damping, admittance, \
-                environment, disturbance, contact, via_point, cost, learning, output, accept";
+                environment, disturbance, contact, sensor, actuator, via_point, cost, learning, output, accept";
     let near = "unknown key `duratoin`, did you mean `duration`?";
     one(VIA_POINT, ("duration = 5.0", "duratoin = 5.0"), "duratoin", near, keys);
     one(VIA_POINT, ("[phase]", "[phases]"), "phases", "unknown key `phases`, did you mean `phase`?", keys);
@@ -115,7 +115,7 @@ fn a_value_of_the_wrong_type_says_what_it_is_and_what_it_must_be() {
     one(VIA_POINT, ("duration = 5.0", "duration = [5.0]"), "[5.0]", "`duration` cannot be an array", number);
     one(VIA_POINT, ("duration = 5.0", "duration = true"), "true", "`duration` cannot be true or false", number);
     one(VIA_POINT, ("duration = 5.0", "duration = 05:00:00"), "05:00:00", "`duration` cannot be a date", number);
-    let whole = "`basis` must be a whole number from 2 to 1000";
+    let whole = "`basis` must be a whole number from 2 to 1000 or a table";
     one(VIA_POINT, ("basis = 20", "basis = 20.0"), "20.0", "`basis` cannot have a decimal point", whole);
     let per_axis = "`alpha` must be a number or an array of numbers";
     one(VIA_POINT, ("alpha = 25.0", "alpha = \"25\""), "\"25\"", "`alpha` cannot be a text", per_axis);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use hpf_sim::task::Task;
 use hpf_sim::{Certificate, Conditions, Policy, Simulation};
 use serde_json::{Value, json};
 
@@ -29,23 +30,39 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     let loaded = read_task(path, &changes)?;
     let policy = Policy::initial(&loaded.task).map_err(in_file(path))?;
     let simulation = Simulation::new(&loaded.task.as_planned(), &policy).map_err(in_file(path))?;
-    let trace = simulation.rollout(&simulation.starting_weights(&policy).map_err(in_file(path))?);
+    let start = simulation.starting_weights(&policy).map_err(in_file(path))?;
     // What a process makes of it, only the process knows.
-    let cost = loaded.task.environment.is_none().then(|| simulation.cost(&trace).total());
+    let cost = loaded.task.environment.is_none().then(|| simulation.evaluate(&start).0.total());
     if cost.is_some_and(|cost| !cost.is_finite()) {
         return Err(Failure::Input(format!("{}: the motion before learning has no finite cost", path.display())));
     }
+    let warnings = warnings(&loaded.task);
     if common.json {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "task", "valid": true,
-            "steps": simulation.step_count(), "parameters": policy.weights().len(), "initial_cost": cost,
-            "memory_bytes": loaded.task.memory(rayon::current_num_threads()),
+            "steps": simulation.step_count(), "parameters": start.len(), "initial_cost": cost,
+            "memory_bytes": loaded.task.memory(rayon::current_num_threads()), "warnings": warnings,
         });
         say(&format!("{object:#}\n"))?;
     } else {
-        say(&render::task(&loaded.task, policy.weights().len(), cost))?;
+        say(&render::task(&loaded.task, start.len(), cost))?;
+        warnings.iter().try_for_each(|warning| say(&format!("  warning     {warning}\n")))?;
     }
     Ok(Outcome::Done)
+}
+
+/// What is right in a task and may yet go wrong.
+fn warnings(task: &Task) -> Vec<String> {
+    let contact = task.measured_contact().filter(|contact| contact.stiffness >= contact.limit);
+    let unstable = contact.map(|contact| {
+        format!(
+            "the contact is as stiff as {} N/m, and its force is measured: at the least damping the loop is stable below \
+             {} N/m only; soften the contact, raise damping.min or the rate, or shorten delay and lag",
+            render::number(contact.stiffness),
+            render::number(contact.limit)
+        )
+    });
+    unstable.into_iter().collect()
 }
 
 /// A policy file, or the policy of a run, with its certificates.
@@ -83,9 +100,12 @@ fn conditions(options: &Check, policy: &Path) -> Result<Conditions, Failure> {
 
 fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> Value {
     let axes = policy.axes.iter().zip(certificates).map(|(axis, certificate)| {
+        // A law of first order is always stable; what the test for the second does not prove is not disproved.
+        let stable = if policy.admittance.order == 1 { Some(true) } else { certificate.decay.map(|_| true) };
         json!({
             "name": axis.name, "unit": axis.unit,
             "passive": certificate.fails_at.is_none(), "not_passive_from_s": certificate.fails_at,
+            "stable": stable, "stable_decay_per_s": certificate.decay,
             "largest_offset": certificate.largest_offset, "switched_energy_j": certificate.switched_energy,
             "least_damping": certificate.least_damping, "contact_stiffness_limit": certificate.contact_stiffness,
             "peak_velocity": certificate.peak_velocity, "peak_acceleration": certificate.peak_acceleration,
@@ -93,7 +113,7 @@ fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certifica
     });
     let axes: Vec<Value> = axes.collect();
     json!({
-        "rate_hz": conditions.rate, "delay_s": conditions.delay, "load": conditions.load,
+        "order": policy.admittance.order, "rate_hz": conditions.rate, "delay_s": conditions.delay, "load": conditions.load,
         "horizon_s": 2.0 * policy.duration_s, "axes": axes,
     })
 }

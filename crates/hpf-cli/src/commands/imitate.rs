@@ -136,8 +136,9 @@ fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, V
     let mut policy = imitated.policy.clone();
     let bad_task = |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", task.name));
     let simulation = Simulation::new(task, &policy).map_err(|error| bad_task(&error))?;
-    let trajectory = simulation.rollout(&policy.weights());
-    let cost = simulation.cost(&trajectory);
+    let parameters = simulation.parameters(&policy);
+    let trajectory = simulation.rollout(&parameters);
+    let (cost, mut metrics) = simulation.evaluate(&parameters);
     let price = (cost.total(), cost.terms.clone());
     if !price.0.is_finite() {
         return Err(bad_task(&"the imitated motion has no finite cost in this task"));
@@ -146,7 +147,6 @@ fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, V
     policy.provenance.cost = price.0;
 
     let errors = imitated.errors(&trajectory);
-    let mut metrics = simulation.metrics(&trajectory);
     let units: Vec<&str> = task.axis.iter().map(saved::unit).collect();
     let unit = if units.iter().all(|unit| *unit == units[0]) { units[0] } else { "" };
     let whole = errors.iter().map(|error| error * error).sum::<f64>().sqrt();

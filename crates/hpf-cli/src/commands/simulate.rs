@@ -14,7 +14,7 @@ use crate::summary::Summary;
 use crate::{overrides, render, results};
 
 /// What `--set` may change: the policy decides the rest.
-const ENVIRONMENT: [&str; 6] = ["rate", "disturbance", "contact", "via_point", "cost", "accept"];
+const ENVIRONMENT: [&str; 8] = ["rate", "disturbance", "contact", "sensor", "actuator", "via_point", "cost", "accept"];
 
 /// Runs `hpf run`.
 pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure> {
@@ -26,9 +26,9 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     loaded.text = overrides::apply(&loaded.text, &tables.iter().map(|table| table.change.clone()).collect::<Vec<_>>())?;
 
     let simulation = Simulation::new(&loaded.task, &policy).map_err(in_file(&policy_path))?;
-    let weights = policy.weights();
-    let trajectory = simulation.rollout(&weights);
-    let cost = simulation.cost(&trajectory);
+    let parameters = simulation.parameters(&policy);
+    let trajectory = simulation.rollout(&parameters);
+    let (cost, metrics) = simulation.evaluate(&parameters);
     let price = (cost.total(), cost.terms.clone());
     if !price.0.is_finite() {
         return Err(Failure::Input(format!(
@@ -36,7 +36,8 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
             policy_path.display()
         )));
     }
-    let row = LearningRow { update: 0, rollouts: 1, total: price.0, terms: cost.terms, exploration: 0.0 };
+    let motions = loaded.task.evaluation_draws();
+    let row = LearningRow { update: 0, rollouts: motions, total: price.0, terms: cost.terms, exploration: 0.0 };
     let run = Run { task: loaded.task.clone(), policy, learning: vec![row], trajectory, snapshots: Vec::new() };
     let mut summary = Summary {
         task: run.task.name.clone(),
@@ -47,12 +48,12 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         threads: rayon::current_num_threads(),
         updates: 0,
         best_update: 0,
-        rollouts: 1,
+        rollouts: motions,
         learning_s: 0.0,
         total_s: started.elapsed().as_secs_f64(),
         initial: price.clone(),
         last: price,
-        metrics: simulation.metrics(&run.trajectory),
+        metrics,
         rejected: 0,
         stopped_because: "a policy was run, nothing learned".into(),
     };

@@ -4,20 +4,26 @@ use hpf_core::packed::Head;
 use hpf_sim::Policy;
 use hpf_sim::task::Unit;
 
-use super::{Precision, bases, functions};
+use super::{Precision, bases};
 
 /// The bytes of a policy that makes a skill in this scalar.
 pub fn bytes(policy: &Policy, precision: Precision) -> Vec<u8> {
     let rotary = policy.axes.iter().enumerate().map(|(i, axis)| u16::from(axis.unit == Unit::Rad) << i).sum();
+    let bases = bases(policy, precision);
     let head = Head {
         scalar: precision.scalar(),
         axes: policy.axes.len() as u8,
-        functions: functions(policy).map(|count| count as u16),
+        functions: bases.each_ref().map(|basis| basis.count() as u16),
         rotary,
+        in_time: bases.each_ref().map(|basis| basis.overlap.is_some()),
     };
     let mut numbers = vec![policy.duration_s, policy.phase.decay];
-    for (_, centers, widths) in bases(policy) {
-        numbers.extend(centers.iter().chain(widths));
+    for basis in bases {
+        numbers.extend(basis.centers);
+        let first = numbers.len();
+        numbers.extend(basis.shape);
+        // What has fallen to 1 at no distance needs no place: the overlap takes it.
+        numbers[first] = basis.overlap.unwrap_or(numbers[first]);
     }
     for axis in &policy.axes {
         let (movement, stiffness, damping) = (&axis.movement, &axis.stiffness, &axis.damping);

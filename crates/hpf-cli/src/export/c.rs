@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use hpf_sim::Policy;
 
-use super::{PER_AXIS, Precision, WEIGHTS, bases, functions, lines, preamble};
+use super::{PER_AXIS, Precision, WEIGHTS, bases, lines, preamble};
 use crate::files::sha256;
 
 /// The header's text.
@@ -25,7 +25,9 @@ pub fn header(policy: &Policy, precision: Precision) -> String {
     }
     let _ = writeln!(text, " */\n#ifndef {upper}_H\n#define {upper}_H\n");
     let _ = writeln!(text, "/* Number of axes. */\n#define {upper}_AXES {axes}");
-    for ((name, ..), count) in bases(policy).into_iter().zip(functions(policy)) {
+    let bases = bases(policy, precision);
+    for basis in &bases {
+        let (name, count) = (basis.name, basis.count());
         let _ = writeln!(
             text,
             "/* Functions in the basis of {name}. */\n#define {upper}_{}_BASIS {count}",
@@ -48,13 +50,24 @@ pub fn header(policy: &Policy, precision: Precision) -> String {
         let _ = writeln!(text, "\n/* {what}, by axis. */");
         let _ = writeln!(text, "static const {kind} {prefix}_{name}[{upper}_AXES] = {{{values}\n}};");
     }
-    for (name, centers, widths) in bases(policy) {
+    if let Some(mass) = &policy.admittance.mass {
+        let values = lines(mass.iter().map(digits), 4);
+        let _ = writeln!(text, "\n/* Virtual mass of the admittance of second order [kg or kg m^2], by axis. */");
+        let _ = writeln!(text, "static const {kind} {prefix}_mass[{upper}_AXES] = {{{values}\n}};");
+    }
+    for basis in &bases {
+        let (name, (shape, what)) = (basis.name, basis.shape_name());
         let count = format!("{upper}_{}_BASIS", name.to_uppercase());
         let list = |numbers: &[f64]| lines(numbers.iter().map(digits), 4);
         let _ = writeln!(text, "\n/* Centers of the basis of {name}, oldest phase first. */");
-        let _ = writeln!(text, "static const {kind} {prefix}_{name}_centers[{count}] = {{{}\n}};", list(centers));
-        let _ = writeln!(text, "/* Widths of the basis of {name}. */");
-        let _ = writeln!(text, "static const {kind} {prefix}_{name}_widths[{count}] = {{{}\n}};", list(widths));
+        let _ =
+            writeln!(text, "static const {kind} {prefix}_{name}_centers[{count}] = {{{}\n}};", list(&basis.centers));
+        let _ = writeln!(text, "/* {what} of the basis of {name}. */");
+        let _ = writeln!(text, "static const {kind} {prefix}_{name}_{shape}[{count}] = {{{}\n}};", list(&basis.shape));
+        if let Some(overlap) = &basis.overlap {
+            let _ = writeln!(text, "/* Overlap of neighbours in the basis of {name}. */");
+            let _ = writeln!(text, "static const {kind} {prefix}_{name}_overlap = {};", digits(overlap));
+        }
     }
     for (name, unit, of) in WEIGHTS {
         let _ = writeln!(text, "\n/* Weights of {name} [{unit}], by axis. */");

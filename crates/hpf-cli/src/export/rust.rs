@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use hpf_sim::Policy;
 
-use super::{PER_AXIS, Precision, WEIGHTS, bases, functions, lines, preamble};
+use super::{PER_AXIS, Precision, WEIGHTS, bases, lines, preamble};
 use crate::files::sha256;
 
 /// A learned number may be near a constant that clippy knows, or long.
@@ -24,10 +24,7 @@ pub type Skill = HybridPrimitive<Scalar, &'static [Scalar], AXES>;
 /// `ConfigError` if somebody has changed them since.
 pub fn skill() -> Result<Skill, ConfigError> {
     let bases = [
-        Basis::new(&MOVEMENT_CENTERS[..], &MOVEMENT_WIDTHS[..])?,
-        Basis::new(&STIFFNESS_CENTERS[..], &STIFFNESS_WIDTHS[..])?,
-        Basis::new(&DAMPING_CENTERS[..], &DAMPING_WIDTHS[..])?,
-    ];
+BASES_HERE    ];
     let axes = [
 AXES_HERE    ];
     HybridPrimitive::new(Phase::new(DURATION, DECAY)?, bases, axes)
@@ -70,14 +67,25 @@ pub fn module(policy: &Policy, precision: Precision) -> String {
         let _ = writeln!(text, "\n/// {}, by axis.", what);
         let _ = writeln!(text, "pub static {}: [Scalar; AXES] = [{}\n];", name.to_uppercase(), list(&values));
     }
-    for (name, centers, widths) in bases(policy) {
-        let (upper, count) = (name.to_uppercase(), centers.len());
-        let _ = writeln!(text, "\n/// Centers of the basis of {name}, oldest phase first.");
-        let _ = writeln!(text, "pub static {upper}_CENTERS: [Scalar; {count}] = [{}\n];", list(centers));
-        let _ = writeln!(text, "\n/// Widths of the basis of {name}.");
-        let _ = writeln!(text, "pub static {upper}_WIDTHS: [Scalar; {count}] = [{}\n];", list(widths));
+    if let Some(mass) = &policy.admittance.mass {
+        let _ = writeln!(text, "\n/// Virtual mass of the admittance of second order [kg or kg m^2], by axis.");
+        let _ = writeln!(text, "pub static MASS: [Scalar; AXES] = [{}\n];", list(mass));
     }
-    for ((name, unit, of), count) in WEIGHTS.into_iter().zip(functions(policy)) {
+    let bases = bases(policy, precision);
+    for basis in &bases {
+        let (name, (shape, what)) = (basis.name, basis.shape_name());
+        let (upper, count) = (name.to_uppercase(), basis.count());
+        let _ = writeln!(text, "\n/// Centers of the basis of {name}, oldest phase first.");
+        let _ = writeln!(text, "pub static {upper}_CENTERS: [Scalar; {count}] = [{}\n];", list(&basis.centers));
+        let _ = writeln!(text, "\n/// {what} of the basis of {name}.");
+        let shape = shape.to_uppercase();
+        let _ = writeln!(text, "pub static {upper}_{shape}: [Scalar; {count}] = [{}\n];", list(&basis.shape));
+        if let Some(overlap) = &basis.overlap {
+            let _ = writeln!(text, "\n/// Overlap of neighbours in the basis of {name}.");
+            let _ = writeln!(text, "pub const {upper}_OVERLAP: Scalar = {};", digits(overlap));
+        }
+    }
+    for ((name, unit, of), count) in WEIGHTS.into_iter().zip(bases.each_ref().map(super::ExportedBasis::count)) {
         let _ = writeln!(text, "\n/// Weights of {name} [{unit}], by axis.");
         let _ = writeln!(text, "pub static {}_WEIGHTS: [[Scalar; {count}]; AXES] = [", name.to_uppercase());
         for axis in &policy.axes {
@@ -86,5 +94,14 @@ pub fn module(policy: &Policy, precision: Precision) -> String {
         text += "];\n";
     }
     let built: String = (0..axes).map(|i| AXIS.replace("[I]", &format!("[{i}]"))).collect();
-    text + &BUILD.replace("AXES_HERE", &built)
+    let made = bases.iter().map(|basis| {
+        let upper = basis.name.to_uppercase();
+        match basis.overlap {
+            None => format!("        Basis::new(&{upper}_CENTERS[..], &{upper}_WIDTHS[..])?,\n"),
+            Some(_) => format!(
+                "        Basis::stored_in_time(DECAY, {upper}_OVERLAP, &{upper}_CENTERS[..], &{upper}_FALLS[..])?,\n"
+            ),
+        }
+    });
+    text + &BUILD.replace("BASES_HERE", &made.collect::<String>()).replace("AXES_HERE", &built)
 }

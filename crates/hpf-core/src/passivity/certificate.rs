@@ -1,6 +1,6 @@
 //! Certificates: what a schedule of gains can do at worst, before it runs.
 
-use core::f64::consts::FRAC_PI_4;
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::admittance::step_offset;
 
@@ -10,6 +10,9 @@ use crate::admittance::step_offset;
 /// A tool that starts at rest never gives more than it was given iff `p' = -(k - p)^2/(2 d)`, `p(0) = +inf`, stays
 /// above nought: `p e^2/2` is the least energy that must have been put in to be at e. Exact step for held gains:
 /// `q = p - k`, `q <- q/(1 + q h/(2 d))`; a denominator of nought or less is an escape to minus infinity.
+///
+/// It decides for `m e'' + d e' + k e = f` too, whatever the mass: `int f e' = m v^2/2 + k e^2/2 + int (d v^2 - k' e^2/2)`,
+/// and the mass adds to the least of it only `m v^2/2`, which is nought at rest.
 ///
 /// ```
 /// use hpf_core::passivity::first_order_fails_at;
@@ -31,7 +34,8 @@ pub fn first_order_fails_at(gains: impl IntoIterator<Item = (f64, f64)>, dt: f64
     None
 }
 
-/// A decay a [1/s] that proves `m e'' + d e' + k e = f` passive over a schedule, the largest, if there is one.
+/// A decay a [1/s] that proves the free motion `m e'' + d e' + k e = 0` stable over a schedule, the largest, if there is
+/// one. Passivity is another matter, which [`first_order_fails_at`] decides.
 ///
 /// Sufficient (Kronander and Billard, IEEE T-RO 32(5):1298, 2016, doi 10.1109/TRO.2016.2593492): one a > 0 with
 /// `d >= a m` and `k' + a d' <= 2 a k` all along. `gains` are stiffness [N/m] and damping [N s/m] every `dt` [s].
@@ -114,4 +118,34 @@ pub fn largest_offset(gains: impl IntoIterator<Item = (f64, f64)>, force: f64, d
 /// ```
 pub fn contact_stiffness_limit(damping: f64, delay: f64, dt: f64) -> f64 {
     2.0 * damping / dt * libm::sin(FRAC_PI_4 * dt / (delay + 0.5 * dt))
+}
+
+/// [`contact_stiffness_limit`] of the law `m e'' + d e' + k e = f` with `mass` m [kg].
+///
+/// With T = delay + h/2 the continuous law has roots `+-i w` where `w T + atan(m w/d) = pi/2` and
+/// `K_e = w sqrt(d^2 + m^2 w^2)`; sampling takes the same share off as without mass. Taken for k = 0; a spring adds next to
+/// nothing to or takes it from a contact this much stiffer than itself.
+///
+/// ```
+/// use hpf_core::passivity::{contact_stiffness_limit, inertial_contact_stiffness_limit};
+/// let light = inertial_contact_stiffness_limit(1e-9, 50.0, 0.001, 0.001);
+/// assert!((light / contact_stiffness_limit(50.0, 0.001, 0.001) - 1.0).abs() < 1e-5); // no mass
+/// let heavy = inertial_contact_stiffness_limit(200.0, 50.0, 0.001, 0.001);
+/// assert!(heavy < 50.0 / 0.0015 && heavy > 0.9 * 50.0 / 0.0015); // what is late undoes damping: d - K_e T
+/// ```
+pub fn inertial_contact_stiffness_limit(mass: f64, damping: f64, delay: f64, dt: f64) -> f64 {
+    let late = delay + 0.5 * dt;
+    let (mut low, mut high) = (0.0, FRAC_PI_2 / late);
+    // Halving leaves nothing between the ends.
+    for _ in 0..2 * f64::MANTISSA_DIGITS {
+        let middle = 0.5 * (low + high);
+        if middle * late + libm::atan(mass * middle / damping) < FRAC_PI_2 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let continuous = low * libm::hypot(damping, mass * low);
+    let sampled = contact_stiffness_limit(damping, delay, dt) / (FRAC_PI_2 * damping / late);
+    continuous * sampled.min(1.0)
 }

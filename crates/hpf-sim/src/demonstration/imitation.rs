@@ -134,7 +134,8 @@ impl Imitation {
     pub fn of(&self, demonstrations: &[Demonstration], task: &Task) -> Result<Imitated, ImitationError> {
         same_axes(demonstrations, task)?;
         let steps = task.steps();
-        let basis = task.movement.basis.max(task.stiffness.basis).max(task.damping.basis);
+        let bases = [task.movement.basis, task.stiffness.basis, task.damping.basis];
+        let basis = bases.map(|basis| basis.count()).into_iter().fold(0, usize::max);
         if steps < basis {
             return Err(ImitationError::TooFewSteps { steps, basis });
         }
@@ -148,7 +149,7 @@ impl Imitation {
         let alignment = Alignment {
             steps,
             follow: self.follow,
-            basis: task.movement.basis,
+            basis: task.movement.basis.count(),
             smoothing: self.smoothing,
             emg_cut_off: self.emg_cut_off,
         };

@@ -15,6 +15,8 @@ pub use table::{Samples, Table, TableError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Quantity;
+
 /// `[[disturbance]]`: a force of the environment on the tool.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -29,6 +31,10 @@ pub enum Disturbance {
     Ramp(Ramp),
     /// Follows a table from a CSV file.
     Table(Table),
+}
+
+fn nought() -> Quantity {
+    Quantity::Fixed(0.0)
 }
 
 /// On which side of a jump a force is wanted.
@@ -74,7 +80,35 @@ impl Disturbance {
         }
     }
 
-    /// The force at `time` [s], on one side of it where it jumps [N].
+    /// Its numbers that may be drawn, each with its key.
+    pub fn quantities(&self) -> Vec<(&'static str, &Quantity)> {
+        match self {
+            Self::Sine(sine) => vec![("amplitude", &sine.amplitude), ("period", &sine.period), ("phase", &sine.phase)],
+            Self::Step(step) => vec![("amplitude", &step.amplitude), ("start", &step.start)],
+            Self::Pulse(Pulse { amplitude, start, length, .. }) | Self::Ramp(Ramp { amplitude, start, length, .. }) => {
+                vec![("amplitude", amplitude), ("start", start), ("length", length)]
+            }
+            Self::Table(_) => vec![],
+        }
+    }
+
+    /// The disturbance of one motion: each number that is drawn, drawn by `draw`.
+    #[must_use]
+    pub fn drawn(&self, draw: &mut impl FnMut(&Quantity) -> f64) -> Self {
+        let mut drawn = self.clone();
+        let slots = match &mut drawn {
+            Self::Sine(sine) => vec![&mut sine.amplitude, &mut sine.period, &mut sine.phase],
+            Self::Step(step) => vec![&mut step.amplitude, &mut step.start],
+            Self::Pulse(Pulse { amplitude, start, length, .. }) | Self::Ramp(Ramp { amplitude, start, length, .. }) => {
+                vec![amplitude, start, length]
+            }
+            Self::Table(_) => vec![],
+        };
+        slots.into_iter().for_each(|slot| *slot = slot.drawn(draw));
+        drawn
+    }
+
+    /// The force at `time` [s], on one side of it where it jumps [N]; what is not yet drawn counts as its mean.
     pub fn force(&self, time: f64, side: Side) -> f64 {
         match self {
             Self::Sine(sine) => sine.force(time),
@@ -92,8 +126,8 @@ mod tests {
 
     #[test]
     fn a_pulse_jumps_up_and_down_and_a_step_stays() {
-        let pulse = Pulse { axis: "x".into(), amplitude: 3.0, start: 1.0, length: 0.5 };
-        let step = Step { axis: "x".into(), amplitude: 3.0, start: 1.0 };
+        let pulse = Pulse { axis: "x".into(), amplitude: 3.0.into(), start: 1.0.into(), length: 0.5.into() };
+        let step = Step { axis: "x".into(), amplitude: 3.0.into(), start: 1.0.into() };
         for (time, side, during_pulse, after_step) in [
             (0.9, Side::After, 0.0, 0.0),
             (1.0, Side::Before, 0.0, 0.0),
@@ -109,13 +143,13 @@ mod tests {
 
     #[test]
     fn a_ramp_grows_between_its_ends() {
-        let ramp = Ramp { axis: "x".into(), amplitude: 4.0, start: 1.0, length: 2.0 };
+        let ramp = Ramp { axis: "x".into(), amplitude: 4.0.into(), start: 1.0.into(), length: 2.0.into() };
         assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|time| ramp.force(time)), [0.0, 0.0, 2.0, 4.0, 4.0]);
     }
 
     #[test]
     fn a_sine_of_the_duration_pushes_then_pulls() {
-        let sine = Sine { axis: "x".into(), amplitude: 10.0, period: 5.0, phase: 0.0 };
+        let sine = Sine { axis: "x".into(), amplitude: 10.0.into(), period: 5.0.into(), phase: 0.0.into() };
         assert!((sine.force(1.25) - 10.0).abs() < 1e-12 && (sine.force(3.75) + 10.0).abs() < 1e-12);
     }
 }

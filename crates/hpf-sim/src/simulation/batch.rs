@@ -1,10 +1,11 @@
 //! Rollouts for learning: costs without traces, [`LANES`] rollouts at a time in the best instructions there are.
 
 use hpf_core::{Lanes, Real};
-use hpf_learn::{Cost, Parameters};
+use hpf_learn::{Cost, Draws, Parameters};
 use pulp::NullaryFnOnce;
 
 use super::Simulation;
+use super::circumstances::Circumstances;
 use super::profiles::{Constant, Rowwise};
 use crate::cost::Bill;
 use crate::trace::Trace;
@@ -17,6 +18,11 @@ pub(crate) const LANES: usize = 8;
 pub struct Workspace {
     /// The motion whose signals were measured last.
     pub trace: Option<Trace>,
+    /// What its rollouts meet, and by which draws.
+    pub(super) met: Option<(Draws, Vec<Circumstances>)>,
+    /// Costs of one draw, and signals of one draw after the other.
+    pub(super) costs: Vec<Cost>,
+    pub(super) signals: Vec<Vec<f64>>,
     /// One entry per parameter.
     weights: Vec<Lanes<LANES>>,
     /// One entry per step.
@@ -25,19 +31,31 @@ pub struct Workspace {
 
 impl Simulation {
     /// Makes a rollout of each of `parameters` and writes what it cost: the same bits together as alone.
-    pub(crate) fn roll_costs(&self, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
+    pub(crate) fn roll_costs(
+        &self,
+        met: &Circumstances,
+        parameters: &[Parameters<'_>],
+        workspace: &mut Workspace,
+        costs: &mut [Cost],
+    ) {
         for (parameters, costs) in parameters.chunks(LANES).zip(costs.chunks_mut(LANES)) {
             let is_constant = |parameters: &Parameters<'_>| matches!(parameters, Parameters::Constant(_));
             if parameters.iter().all(is_constant) {
-                self.roll_together(parameters, workspace, costs);
+                self.roll_together(met, parameters, workspace, costs);
             } else {
-                parameters.iter().zip(costs).for_each(|(&parameters, cost)| self.roll_alone(parameters, cost));
+                parameters.iter().zip(costs).for_each(|(&parameters, cost)| self.roll_alone(met, parameters, cost));
             }
         }
     }
 
     /// At most [`LANES`] rollouts, the parameters of each constant.
-    fn roll_together(&self, parameters: &[Parameters<'_>], workspace: &mut Workspace, costs: &mut [Cost]) {
+    fn roll_together(
+        &self,
+        met: &Circumstances,
+        parameters: &[Parameters<'_>],
+        workspace: &mut Workspace,
+        costs: &mut [Cost],
+    ) {
         let Workspace { weights, running, .. } = workspace;
         weights.resize(self.parameter_count(), Lanes::ZERO);
         // Idle lanes repeat the first rollout: numbers as ordinary as its own.
@@ -48,20 +66,20 @@ impl Simulation {
         running.clear();
         running.resize(self.step_count(), [0.0; LANES]);
         let mut bill = Bill::new(running);
-        self.instructions.dispatch(Together { simulation: self, weights, bill: &mut bill });
+        self.instructions.dispatch(Together { simulation: self, met, weights, bill: &mut bill });
         for (lane, cost) in costs.iter_mut().enumerate() {
             bill.write(lane, cost);
         }
     }
 
     /// One rollout whose parameters may change with every step.
-    fn roll_alone(&self, parameters: Parameters<'_>, cost: &mut Cost) {
+    fn roll_alone(&self, met: &Circumstances, parameters: Parameters<'_>, cost: &mut Cost) {
         cost.running.clear();
         cost.running.resize(self.step_count(), 0.0);
         let mut bill = Bill::new(cost.running.as_chunks_mut::<1>().0);
         for (a, axis) in self.axes.iter().enumerate() {
             let profiles = self.rowwise(axis, parameters);
-            self.roll_axis(a, &axis.alone, &profiles, self.cost.meter(a, &mut bill));
+            self.roll_axis(a, &axis.alone, &profiles, &met.axes[a], self.cost.meter(a, &mut bill));
         }
         let (terms, terminal) = bill.sums(0);
         cost.terminal = terminal;
@@ -77,6 +95,7 @@ impl Simulation {
 /// All axes of [`LANES`] rollouts, for compilation in every set of instructions.
 struct Together<'a, 'b> {
     simulation: &'a Simulation,
+    met: &'a Circumstances,
     weights: &'a [Lanes<LANES>],
     bill: &'a mut Bill<'b, LANES>,
 }
@@ -86,16 +105,17 @@ impl NullaryFnOnce for Together<'_, '_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { simulation, weights, bill } = self;
+        let Self { simulation, met, weights, bill } = self;
         for (a, axis) in simulation.axes.iter().enumerate() {
-            let [start, movement_end, stiffness_end, end] = axis.parameters;
+            let [start, movement_end, stiffness_end, damping_end, end] = axis.parameters;
             let profiles = Constant {
                 tables: &simulation.tables,
                 movement: &weights[start..movement_end],
                 stiffness: &weights[movement_end..stiffness_end],
-                damping: &weights[stiffness_end..end],
+                damping: &weights[stiffness_end..damping_end],
+                goal: &weights[damping_end..end],
             };
-            simulation.roll_axis(a, &axis.together, &profiles, simulation.cost.meter(a, bill));
+            simulation.roll_axis(a, &axis.together, &profiles, &met.axes[a], simulation.cost.meter(a, bill));
         }
     }
 }

@@ -6,7 +6,7 @@ use hpf_learn::Block;
 use crate::policy::Policy;
 use crate::task::Task;
 
-/// Three blocks per axis.
+/// Three blocks per axis, and one of its goal where goals are learned; what is not learned has no noise.
 pub(super) fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>; 3], phases: &[f64]) -> Vec<Block> {
     let tables = bases.each_ref().map(|basis| {
         let mut features = vec![0.0; phases.len() * basis.count()];
@@ -27,7 +27,7 @@ pub(super) fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>
             ("stiffness", (axis.stiffness.min, axis.stiffness.max), &noise.stiffness),
             ("damping", (axis.damping.min, axis.damping.max), &noise.damping),
         ];
-        for ((name, (min, max), noise), (basis, (features, activations))) in
+        for ((name, (min, max), own), (basis, (features, activations))) in
             primitives.into_iter().zip(bases.iter().zip(&tables))
         {
             blocks.push(Block {
@@ -37,7 +37,18 @@ pub(super) fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>
                 activations: activations.clone(),
                 min,
                 max,
-                noise: noise.of(a),
+                noise: if task.learns(a, name) { own.of(a) } else { 0.0 },
+            });
+        }
+        if task.learns_goal() {
+            blocks.push(Block {
+                name: format!("{}.goal", axis.name),
+                count: 1,
+                features: vec![1.0; phases.len()],
+                activations: vec![1.0; phases.len()],
+                min: f64::NEG_INFINITY,
+                max: f64::INFINITY,
+                noise: if task.learns(a, "goal") { noise.goal.of(a) } else { 0.0 },
             });
         }
     }

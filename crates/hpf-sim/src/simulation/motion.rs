@@ -1,5 +1,6 @@
 //! The motion of one axis of several rollouts at once, one per lane.
 
+use hpf_core::admittance::Inertial;
 use hpf_core::{ConfigError, Lanes, Movement, MovementState, Real, Transition};
 
 use super::profiles::Profiles;
@@ -12,17 +13,36 @@ pub(super) struct Reference<const N: usize> {
     transition: Transition<Lanes<N>>,
     /// 1 over the duration [1/s].
     rate: Lanes<N>,
+    /// The law of the tool, where it has inertia.
+    pub(super) inertial: Option<Inertial<Lanes<N>>>,
 }
 
 impl<const N: usize> Reference<N> {
-    /// The same in every lane; `numbers` are start, goal, alpha and forcing scale.
-    pub(super) fn new(numbers: [f64; 4], dt: f64, duration: f64) -> Result<Self, ConfigError> {
+    /// The same in every lane; `numbers` are start, goal, alpha and forcing scale, `inertia` the mass of the tool and the
+    /// largest stiffness and damping of its law.
+    pub(super) fn new(
+        numbers: [f64; 4],
+        inertia: Option<[f64; 3]>,
+        dt: f64,
+        duration: f64,
+    ) -> Result<Self, ConfigError> {
         let [start, goal, alpha, scale] = numbers.map(Lanes::of);
         Ok(Self {
             movement: Movement::new(start, goal, alpha, scale, [])?,
             transition: Transition::new(alpha, Lanes::of(dt / duration)),
             rate: Lanes::of(1.0 / duration),
+            inertial: inertia
+                .map(|numbers| {
+                    let [mass, stiffness, damping] = numbers.map(Lanes::of);
+                    Inertial::new(mass, stiffness, damping, Lanes::of(dt))
+                })
+                .transpose()?,
         })
+    }
+
+    /// Where the movement starts.
+    pub(super) fn start(&self) -> Lanes<N> {
+        self.movement.initial_state().position
     }
 }
 
@@ -82,7 +102,7 @@ pub(super) fn roll<const N: usize>(
     mut tool: impl Tool<N>,
     mut sink: impl Sink<N>,
 ) {
-    let Reference { movement, transition, rate } = *reference;
+    let Reference { movement, transition, rate, .. } = *reference;
     let knot = |state: MovementState<Lanes<N>>, stiffness, damping| Knot {
         state,
         reference_velocity: state.scaled_velocity * rate,
@@ -97,7 +117,8 @@ pub(super) fn roll<const N: usize>(
         for (j, &phase) in phases.iter().enumerate() {
             sink.take(first + j, &tool.sample(first + j, &now));
             let mut state = now.state;
-            transition.apply(&mut state, movement.goal(), movement.forcing(Lanes::of(phase), tile.movement[j]));
+            let goal = profiles.goal(first + j).unwrap_or(movement.goal());
+            transition.apply(&mut state, goal, movement.forcing(Lanes::of(phase), tile.movement[j]));
             let ([middle_stiffness, stiffness], [middle_damping, damping]) = (tile.stiffness[j], tile.damping[j]);
             let next = knot(state, stiffness, damping);
             tool.advance(first + j, &now, &next, [middle_stiffness, middle_damping]);

@@ -33,6 +33,9 @@ pub(super) trait Profiles<const N: usize> {
 
     /// The mixtures of the steps from `first` on.
     fn tile(&self, first: usize) -> Tile<N>;
+
+    /// The goal during `step`, where it is a parameter.
+    fn goal(&self, step: usize) -> Option<Lanes<N>>;
 }
 
 /// One set of weights per lane for the whole rollout.
@@ -41,6 +44,8 @@ pub(super) struct Constant<'a, const N: usize> {
     pub(super) movement: &'a [Lanes<N>],
     pub(super) stiffness: &'a [Lanes<N>],
     pub(super) damping: &'a [Lanes<N>],
+    /// Empty, or the goal.
+    pub(super) goal: &'a [Lanes<N>],
 }
 
 impl<const N: usize> Profiles<N> for Constant<'_, N> {
@@ -59,6 +64,11 @@ impl<const N: usize> Profiles<N> for Constant<'_, N> {
             damping: half_steps(&self.tables.damping, first, self.damping),
         }
     }
+
+    #[inline(always)]
+    fn goal(&self, _: usize) -> Option<Lanes<N>> {
+        self.goal.first().copied()
+    }
 }
 
 /// Middle and end of each step; four rows at a time, because more sums than that do not fit into the registers.
@@ -74,15 +84,15 @@ fn half_steps<const N: usize>(table: &Table, first: usize, weights: &[Lanes<N>])
 pub(super) struct Rowwise<'a> {
     pub(super) tables: &'a Tables,
     pub(super) parameters: Parameters<'a>,
-    /// Where the axis' parameters start, and where each primitive's end.
-    pub(super) ends: [usize; 4],
+    /// Where the axis' parameters start, and where each primitive's and the goal end.
+    pub(super) ends: [usize; 5],
     pub(super) steps: usize,
 }
 
 impl Rowwise<'_> {
     /// Stiffness and damping at the half step `row`, by the weights of `step`.
     fn gains(&self, row: usize, step: usize) -> [Lanes<1>; 2] {
-        let [_, movement_end, stiffness_end, end] = self.ends;
+        let [_, movement_end, stiffness_end, end, _] = self.ends;
         let weights = self.parameters.at(step);
         let stiffness = self.tables.stiffness.mix(row, &weights[movement_end..stiffness_end]);
         [Lanes([stiffness]), Lanes([self.tables.damping.mix(row, &weights[stiffness_end..end])])]
@@ -107,5 +117,10 @@ impl Profiles<1> for Rowwise<'_> {
             tile.damping[j] = [middle_damping, damping];
         }
         tile
+    }
+
+    fn goal(&self, step: usize) -> Option<Lanes<1>> {
+        let [.., start, end] = self.ends;
+        self.parameters.at(step)[start..end].first().map(|goal| Lanes([*goal]))
     }
 }

@@ -68,6 +68,13 @@ pub(super) struct ContactModel {
     pub(super) surfaces: Vec<Surface>,
 }
 
+impl ContactModel {
+    /// Over all instants [N/m].
+    pub(super) fn largest_stiffness(&self) -> f64 {
+        self.surfaces.iter().map(|surface| surface.stiffness).fold(0.0, f64::max)
+    }
+}
+
 /// A tool in contact: the coupled law of its position, split where it meets or leaves the surface.
 pub(super) struct Touching<'a, const N: usize> {
     dt: f64,
@@ -138,7 +145,7 @@ fn mode<const N: usize>(depth: Lanes<N>) -> Lanes<N> {
     depth.select_below(Lanes::ZERO, Lanes::of(-1.0), Lanes::ONE)
 }
 
-fn is_free(depth: f64) -> bool {
+pub(super) fn is_free(depth: f64) -> bool {
     depth < 0.0
 }
 
@@ -206,7 +213,7 @@ impl<const N: usize> Segment<N> {
 }
 
 /// A step may meet or leave the surface this often; a motion that does so more often within one step is not resolved.
-const MOST_CROSSINGS: usize = 8;
+pub(super) const MOST_CROSSINGS: usize = 8;
 
 /// Advances `position` by one step, changing between the segments, free and touching, where the surface is crossed.
 #[cold]

@@ -348,7 +348,7 @@ fn describe_all(schemas: &[&Schema], key: &str) -> String {
 }
 
 /// "unknown key `x`", with the nearest known name where one is near.
-fn unknown(what: &str, name: &str, known: &[&str]) -> String {
+pub(super) fn unknown(what: &str, name: &str, known: &[&str]) -> String {
     match nearest(name, known) {
         Some(near) => format!("unknown {what} `{name}`, did you mean `{near}`?"),
         None => format!("unknown {what} `{name}`"),

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::PerAxis;
 
+/// What can be learned of an axis.
+pub(super) const PRIMITIVES: [&str; 4] = ["movement", "stiffness", "damping", "goal"];
+
 /// How to learn.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
@@ -23,6 +26,16 @@ pub struct Learning {
     /// Stop before more motions than this are made; every motion counts, evaluations too.
     #[schemars(range(min = 1))]
     pub max_rollouts: Option<usize>,
+    /// What is learned: `"movement"`, `"stiffness"`, `"damping"`, `"goal"`, each of all axes or, as `"x.movement"`, of
+    /// one; the rest keeps its start values. Left out: movement, stiffness and damping.
+    #[schemars(length(min = 1, max = 100))]
+    pub learn: Vec<String>,
+    /// Motions of one rollout, each with its draws, where something is drawn; a rollout costs their mean.
+    #[schemars(range(min = 1, max = 10_000))]
+    pub draws: usize,
+    /// Motions that the measures of a policy are taken over, where something is drawn: none that learning has seen.
+    #[schemars(range(min = 1, max = 10_000))]
+    pub evaluation_draws: usize,
     /// Standard deviation of the exploration at the first update.
     pub noise: Noise,
     /// When exploration is drawn; the preset decides where this is left out.
@@ -57,6 +70,9 @@ impl Default for Learning {
             updates: 100,
             rollouts: 20,
             max_rollouts: None,
+            learn: PRIMITIVES[..3].iter().map(|part| (*part).to_owned()).collect(),
+            draws: 4,
+            evaluation_draws: 100,
             noise: Noise::default(),
             exploration: None,
             anneal: AnnealKind::Linear,
@@ -127,11 +143,18 @@ pub struct Noise {
     pub stiffness: PerAxis,
     /// Of the damping's weights [N s/m].
     pub damping: PerAxis,
+    /// Of the goal, where it is learned [axis unit].
+    pub goal: PerAxis,
 }
 
 impl Default for Noise {
     fn default() -> Self {
-        Self { movement: PerAxis::All(10.0), stiffness: PerAxis::All(20.0), damping: PerAxis::All(5.0) }
+        Self {
+            movement: PerAxis::All(10.0),
+            stiffness: PerAxis::All(20.0),
+            damping: PerAxis::All(5.0),
+            goal: PerAxis::All(0.01),
+        }
     }
 }
 

@@ -2,11 +2,16 @@
 
 use core::fmt::Display;
 
-use super::keys::Document;
+use super::keys::{Document, unknown};
+use super::learning::PRIMITIVES;
 use super::{
     Diagnostic, Environment, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis,
     Scaling, Task, Unit,
 };
+use crate::environment::{Distribution, Quantity};
+
+/// Most steps that a reading may be old.
+const MAX_DELAY_STEPS: f64 = 1000.0;
 
 /// Appends every contradiction in `task` to `found`.
 pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagnostic>) {
@@ -18,8 +23,10 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     rules.gain("stiffness", &task.stiffness);
     rules.gain("damping", &task.damping);
     rules.scaling();
+    rules.admittance();
     if named {
         rules.environment();
+        rules.learned();
     }
     rules.via_points();
     // What a file lacks is told only where all it has is right: a misspelt table would be told twice.
@@ -95,6 +102,9 @@ impl Rules<'_, '_, '_> {
     fn per_axis(&mut self) {
         let task = self.task;
         let mut values = vec![("movement.alpha", &task.movement.alpha, true)];
+        if let Some(mass) = &task.admittance.mass {
+            values.push(("admittance.mass", mass, true));
+        }
         if let Scaling::Given(given) = &task.movement.scaling {
             self.axis_count("movement.scaling.amplitude", &given.amplitude);
             for (i, _) in given.amplitude.values().iter().enumerate().filter(|(_, scale)| **scale == 0.0) {
@@ -125,6 +135,7 @@ impl Rules<'_, '_, '_> {
             ("learning.noise.movement", &task.learning.noise.movement, false),
             ("learning.noise.stiffness", &task.learning.noise.stiffness, false),
             ("learning.noise.damping", &task.learning.noise.damping, false),
+            ("learning.noise.goal", &task.learning.noise.goal, false),
         ]);
         for (path, value, positive) in values {
             self.axis_count(path, value);
@@ -191,6 +202,21 @@ impl Rules<'_, '_, '_> {
         }
     }
 
+    fn admittance(&mut self) {
+        let admittance = &self.task.admittance;
+        match (admittance.order, &admittance.mass) {
+            (2, None) => {
+                let help = "add `mass`, one number for all axes or an array with one per axis";
+                self.say("admittance.order", "a law of order 2 has a mass, and none is given", help);
+            }
+            (1, Some(_)) => {
+                let help = "set order = 2, or leave `mass` out";
+                self.say("admittance.mass", "a law of order 1 has no mass", help);
+            }
+            _ => {}
+        }
+    }
+
     fn environment(&mut self) {
         let names: Vec<&str> = self.task.axis.iter().map(|axis| axis.name.as_str()).collect();
         let disturbances =
@@ -201,9 +227,78 @@ impl Rules<'_, '_, '_> {
                 self.say(&path, format!("there is no axis `{axis}`"), format!("the axes are: {}", names.join(", ")));
             }
         }
+        for (i, disturbance) in self.task.disturbance.iter().enumerate() {
+            for (key, quantity) in disturbance.quantities() {
+                self.quantity(&format!("disturbance.{i}.{key}"), key, quantity);
+            }
+        }
+        if let Some(sensor) = &self.task.sensor {
+            self.quantity("sensor.bias", "bias", &sensor.bias);
+            let steps = sensor.delay * self.task.rate;
+            if steps > MAX_DELAY_STEPS {
+                let help = format!("at most {MAX_DELAY_STEPS} steps: a shorter delay, or a lower rate");
+                self.say("sensor.delay", format!("a reading {} steps old", plain(steps.round())), help);
+            }
+        }
         let touched = self.task.contact.as_ref().and_then(|contact| self.task.axis_index(contact.axis()));
         if touched.is_some_and(|axis| self.task.axis[axis].unit == Unit::Rad) {
             self.say("contact.axis", "a contact on an axis in rad", "a contact is in m and N: name an axis in m");
+        }
+    }
+
+    /// A number that may be drawn: every number it can be must be allowed.
+    fn quantity(&mut self, path: &str, key: &str, quantity: &Quantity) {
+        let (least, words, excludes) = match key {
+            "period" | "length" => (0.0, "a number above 0", true),
+            "start" => (0.0, "a number of at least 0", false),
+            _ => (f64::NEG_INFINITY, "a number", false),
+        };
+        let refused = |number: &f64| *number < least || (excludes && *number == least);
+        let numbers: Vec<(String, f64)> = match quantity {
+            Quantity::Fixed(number) => vec![(path.to_owned(), *number)],
+            Quantity::Drawn(Distribution::Uniform([low, high])) => {
+                if low >= high {
+                    let message = format!("`{key}` is drawn from an empty range: {low} to {high}");
+                    self.say(&format!("{path}.uniform"), message, "uniform = [low, high], the first below the second");
+                    return;
+                }
+                vec![(format!("{path}.uniform.0"), *low), (format!("{path}.uniform.1"), *high)]
+            }
+            Quantity::Drawn(Distribution::Normal([_, deviation])) => {
+                let path = format!("{path}.normal");
+                if *deviation < 0.0 {
+                    let help = "normal = [mean, standard deviation], the second at least 0";
+                    self.say(&format!("{path}.1"), format!("a standard deviation below 0: {deviation}"), help);
+                } else if least.is_finite() {
+                    let message = format!("`{key}` must be {words}, and a normal distribution has no bounds");
+                    self.say(&path, message, format!("draw `{key}` from uniform = [low, high] or choice = [...]"));
+                }
+                return;
+            }
+            Quantity::Drawn(Distribution::Choice(values)) => {
+                values.iter().enumerate().map(|(i, value)| (format!("{path}.choice.{i}"), *value)).collect()
+            }
+        };
+        for (path, number) in numbers.iter().filter(|(_, number)| refused(number)) {
+            self.say(path, format!("`{key}` is out of range: {number}"), format!("`{key}` must be {words}"));
+        }
+    }
+
+    /// The parts of an axis that are learned.
+    fn learned(&mut self) {
+        let task = self.task;
+        let axes: Vec<&str> = task.axis.iter().map(|axis| axis.name.as_str()).collect();
+        for (i, part) in task.learning.learn.iter().enumerate() {
+            let (axis, primitive) = part.split_once('.').map_or((None, part.as_str()), |(a, p)| (Some(a), p));
+            let path = format!("learning.learn.{i}");
+            if let Some(axis) = axis.filter(|axis| !axes.contains(axis)) {
+                self.say(&path, format!("there is no axis `{axis}`"), format!("the axes are: {}", axes.join(", ")));
+            } else if !PRIMITIVES.contains(&primitive) {
+                let help = format!("one of: {}; of one axis: {}.{}", PRIMITIVES.join(", "), axes[0], PRIMITIVES[0]);
+                self.say(&path, unknown("part", primitive, &PRIMITIVES), help);
+            } else if task.learning.learn[..i].contains(part) {
+                self.say(&path, format!("`{part}` is named twice"), "name each part once");
+            }
         }
     }
 
@@ -262,6 +357,7 @@ impl Rules<'_, '_, '_> {
             for (path, given) in [
                 ("cost.via_point", weighs(&cost.via_point)),
                 ("accept.max_via_error", task.accept.max_via_error.is_some()),
+                ("accept.rms_via_error", task.accept.rms_via_error.is_some()),
             ] {
                 if given {
                     self.say(path, format!("`{path}` has nothing to measure"), "add a [[via_point]], or leave it out");
@@ -297,6 +393,8 @@ impl Rules<'_, '_, '_> {
         for (path, given) in [
             ("disturbance", !task.disturbance.is_empty()),
             ("contact", task.contact.is_some()),
+            ("sensor", task.sensor.is_some()),
+            ("actuator", task.actuator.is_some()),
             ("output.snapshots", !task.output.snapshots.is_empty()),
         ] {
             if given {
@@ -308,11 +406,12 @@ impl Rules<'_, '_, '_> {
 
     fn learning(&mut self) {
         let learning = &self.task.learning;
-        let least = learning.rollouts.saturating_add(2);
+        let least = learning.rollouts.saturating_add(2).saturating_mul(self.task.draws());
         if learning.max_rollouts.is_some_and(|max| max < least) {
             let help = format!(
-                "at least {least}: one motion before learning, {} of the first update, one after it",
-                learning.rollouts
+                "at least {least}: one motion before learning, {} of the first update, one after it{}",
+                learning.rollouts,
+                if self.task.is_random() { ", each once for every draw" } else { "" }
             );
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }

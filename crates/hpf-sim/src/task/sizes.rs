@@ -10,6 +10,7 @@
 //! parameters against signals P G    of Gauss-Newton: rollouts kept, the response
 //! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
 //! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
+//! draws                      4 A S  for every draw: forces, readings
 //! ```
 //! The learner keeps the functions of a block, and the rollouts, in packs of 8 numbers: where there are fewer, it needs as
 //! much as for 8.
@@ -25,6 +26,8 @@ const ROW: f64 = 12.0;
 const PACK: usize = 8;
 /// Signals of an axis in a trajectory.
 const SIGNALS: f64 = 7.0;
+/// Numbers that one axis meets in a step: forces at both its ends, the error of a reading, whether it is lost.
+const MET: f64 = 4.0;
 /// Trajectories at work at once beside those kept: a blank one, two of evaluations, and a table being written as text.
 const WORKING: f64 = 8.0;
 /// Trajectories that each thread works on.
@@ -49,7 +52,8 @@ impl Task {
     pub fn memory(&self, threads: usize) -> f64 {
         let tables: f64 = self.tables().iter().map(|table| table.copies * table.numbers).sum();
         let trajectory = SIGNALS * self.axis.len() as f64 * self.step_numbers();
-        let working = (WORKING + PER_THREAD * threads as f64) * trajectory;
+        let met = MET * self.axis.len() as f64 * self.step_numbers() * self.draws() as f64;
+        let working = (WORKING + PER_THREAD * threads as f64) * trajectory + threads as f64 * met;
         PROGRAM + size_of::<f64>() as f64 * (tables + working)
     }
 
@@ -63,8 +67,8 @@ impl Task {
         let (learning, cost) = (&self.learning, &self.cost);
         let (steps, axes, rollouts) = (self.step_numbers(), self.axis.len() as f64, learning.rollouts as f64);
         let functions = [self.movement.basis, self.stiffness.basis, self.damping.basis];
-        let parameters = axes * functions.iter().map(|&count| count as f64).sum::<f64>();
-        let packed = axes * functions.iter().map(|count| count.next_multiple_of(PACK) as f64).sum::<f64>();
+        let parameters = axes * functions.iter().map(|basis| basis.count() as f64).sum::<f64>();
+        let packed = axes * functions.iter().map(|basis| basis.count().next_multiple_of(PACK) as f64).sum::<f64>();
         let packed_rollouts = learning.rollouts.next_multiple_of(PACK) as f64;
         let trajectory = SIGNALS * axes * steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
@@ -83,6 +87,7 @@ impl Task {
                 1.0 + 2.0 * packed_rollouts / rollouts,
             ),
             table("learning.updates", "rows of learning", ROW * learning.updates as f64, 4.0),
+            table("learning.draws", "what all draws meet", MET * axes * steps * self.draws() as f64, 1.0),
         ];
         if learning.method == Method::Pi2 {
             let changes = match learning.exploration {
@@ -116,6 +121,7 @@ impl Task {
                 + f64::from(u8::from(cost.tracking > 0.0))
                 + f64::from(u8::from(cost.contact_force > 0.0));
             let signals = by_step * (steps + 1.0) + axes * (2.0 + self.via_point.len() as f64);
+            let signals = signals * self.draws() as f64;
             tables.push(table("movement.basis", "parameters against signals", parameters * signals, 3.0));
             tables.push(table("movement.basis", "parameters against parameters", parameters * parameters, 8.0));
         }

@@ -47,6 +47,25 @@ impl Dice {
         format!("\"{}\"", self.one_of(choices))
     }
 
+    /// A number of basis functions, or a family with it.
+    fn basis(&mut self) -> String {
+        let count = self.whole(2, 30);
+        let family = self.one_of(&["phase", "time"]);
+        if self.chance(0.7) { count.to_string() } else { format!("{{ family = \"{family}\", count = {count} }}") }
+    }
+
+    /// `scale` times a number from `lo` to `hi`, or what such numbers are drawn from.
+    fn quantity(&mut self, scale: f64, lo: f64, hi: f64) -> String {
+        let mut numbers = [(); 3].map(|()| scale * self.within(lo, hi));
+        numbers.sort_by(f64::total_cmp);
+        let [a, b, c] = numbers;
+        match self.whole(0, 9) {
+            0 if a < c => format!("{{ uniform = [{a:?}, {c:?}] }}"),
+            1 => format!("{{ choice = [{a:?}, {b:?}, {c:?}] }}"),
+            _ => format!("{b:?}"),
+        }
+    }
+
     /// One number for all axes, or one for each.
     fn per_axis(&mut self, axes: usize, mut number: impl FnMut(&mut Self) -> f64) -> String {
         if self.chance(0.5) {
@@ -120,7 +139,7 @@ fn primitives(text: &mut Text, dice: &mut Dice, axes: usize, has_goal_scaling: b
     text.maybe(dice, "decay", |dice| dice.wide(1e-3, 100.0));
 
     text.table("[movement]");
-    text.maybe(dice, "basis", |dice| dice.whole(2, 30));
+    text.maybe(dice, "basis", Dice::basis);
     text.maybe(dice, "overlap", |dice| dice.within(1e-3, 0.999));
     text.maybe(dice, "alpha", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e5)));
     if !has_goal_scaling {
@@ -128,11 +147,16 @@ fn primitives(text: &mut Text, dice: &mut Dice, axes: usize, has_goal_scaling: b
         text.key("scaling", if dice.chance(0.5) { "\"unit\"".into() } else { amplitude });
     }
     text.table("[admittance]");
-    text.maybe(dice, "order", |_| 1);
+    if dice.chance(0.3) {
+        text.key("order", 2);
+        text.key("mass", dice.per_axis(axes, |dice| dice.wide(1e-2, 1e3)));
+    } else {
+        text.maybe(dice, "order", |_| 1);
+    }
 
     for (name, lo, hi) in [("[stiffness]", 1e-3, 1e8), ("[damping]", 1e-3, 1e6)] {
         text.table(name);
-        text.maybe(dice, "basis", |dice| dice.whole(2, 30));
+        text.maybe(dice, "basis", Dice::basis);
         text.maybe(dice, "overlap", |dice| dice.within(1e-3, 0.999));
         let bounds: Vec<[f64; 3]> = (0..axes)
             .map(|_| {
@@ -155,16 +179,17 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
         let kind = dice.one_of(&["sine", "step", "pulse", "ramp"]);
         text.key("kind", format!("\"{kind}\""));
         text.key("axis", format!("\"q{}\"", dice.whole(0, is_linear.len() - 1)));
-        text.key("amplitude", dice.within(-1.0, 1.0) * dice.wide(1.0, 1e4));
+        let scale = dice.wide(1.0, 1e4);
+        text.key("amplitude", dice.quantity(scale, -1.0, 1.0));
         match kind {
             "sine" => {
-                text.key("period", format!("{:?}", duration * dice.wide(0.01, 10.0)));
-                text.maybe(dice, "phase", |dice| dice.within(-7.0, 7.0));
+                text.key("period", dice.quantity(duration, 0.01, 10.0));
+                text.maybe(dice, "phase", |dice| dice.quantity(1.0, -7.0, 7.0));
             }
-            "step" => text.key("start", format!("{:?}", duration * dice.within(0.0, 1.2))),
+            "step" => text.key("start", dice.quantity(duration, 0.0, 1.2)),
             _ => {
-                text.key("start", format!("{:?}", duration * dice.within(0.0, 1.2)));
-                text.key("length", format!("{:?}", duration * dice.wide(1e-3, 2.0)));
+                text.key("start", dice.quantity(duration, 0.0, 1.2));
+                text.key("length", dice.quantity(duration, 1e-3, 2.0));
             }
         }
     }
@@ -192,6 +217,19 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
             text.maybe(dice, "force", |dice| dice.within(0.0, 50.0));
         }
     }
+    // A measured contact may be unstable, and then has no finite cost.
+    if !has_contact && dice.chance(0.3) {
+        text.table("[sensor]");
+        text.maybe(dice, "noise", |dice| dice.wide(1e-3, 10.0));
+        text.maybe(dice, "bias", |dice| dice.quantity(1.0, -5.0, 5.0));
+        text.maybe(dice, "delay", |dice| format!("{:?}", duration * dice.within(0.0, 1.0)));
+        text.maybe(dice, "dropout", |dice| dice.within(0.0, 0.9));
+        text.maybe(dice, "quantisation", |dice| dice.wide(1e-3, 1.0));
+        if dice.chance(0.5) {
+            text.table("[actuator]");
+            text.key("lag", format!("{:?}", duration * dice.wide(1e-4, 1.0)));
+        }
+    }
     has_contact
 }
 
@@ -214,6 +252,7 @@ fn cost_and_targets(text: &mut Text, dice: &mut Dice, axes: usize, has_contact: 
         ("max_force_error", has_contact),
         ("max_contact_loss", has_contact),
         ("max_via_error", has_via_point),
+        ("rms_via_error", has_via_point),
         ("max_goal_error", true),
         ("max_end_speed", true),
         ("max_cost", true),
@@ -231,7 +270,7 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     text.key("updates", updates);
     text.key("rollouts", rollouts);
     text.key("seed", dice.whole(0, 1 << 40));
-    text.maybe(dice, "max_rollouts", |dice| dice.whole(rollouts + 2, 200));
+    text.maybe(dice, "max_rollouts", |dice| dice.whole(5 * (rollouts + 2), 300));
     text.maybe(dice, "method", |dice| dice.name(&["pi2", "gauss-newton", "auto", "cma-es"]));
     text.maybe(dice, "elites", |dice| dice.whole(0, 10).to_string());
     text.maybe(dice, "preset", |dice| dice.name(&["pi2", "paper", "pi-bb"]));
@@ -250,6 +289,15 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     text.maybe(dice, "covariance", |dice| {
         format!("{{ floor = {:?}, ceiling = {:?} }}", dice.wide(1e-3, 1.0), dice.wide(1.0, 100.0))
     });
+    text.maybe(dice, "learn", |dice| match dice.whole(0, 3) {
+        0 => "[\"goal\", \"stiffness\"]",
+        1 => "[\"q0.movement\"]",
+        2 => "[\"movement\", \"damping\"]",
+        _ => "[\"q0.goal\", \"movement\"]",
+    });
+    text.maybe(dice, "draws", |dice| dice.whole(1, 5));
+    text.maybe(dice, "evaluation_draws", |dice| dice.whole(1, 9));
+    text.maybe(dice, "noise.goal", |dice| dice.per_axis(axes, |dice| dice.wide(1e-6, 1.0)));
     text.maybe(dice, "noise.movement", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e6)));
     text.maybe(dice, "noise.stiffness", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e7)));
     text.maybe(dice, "noise.damping", |dice| dice.per_axis(axes, |dice| dice.wide(1e-3, 1e7)));

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Side, has_jumped};
+use crate::environment::Quantity;
 
 /// A force that jumps and jumps back.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -12,18 +13,19 @@ pub struct Pulse {
     /// Axis it acts on.
     pub axis: String,
     /// Force of the pulse [N].
-    pub amplitude: f64,
+    pub amplitude: Quantity,
     /// When it begins [s].
-    #[schemars(range(min = 0))]
-    pub start: f64,
+    #[schemars(extend("minimum" = 0))]
+    pub start: Quantity,
     /// How long it lasts [s].
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub length: f64,
+    pub length: Quantity,
 }
 
 impl Pulse {
     pub(super) fn force(&self, time: f64, side: Side) -> f64 {
-        let on = has_jumped(self.start, time, side) && !has_jumped(self.start + self.length, time, side);
-        if on { self.amplitude } else { 0.0 }
+        let on = has_jumped(self.start.mean(), time, side)
+            && !has_jumped(self.start.mean() + self.length.mean(), time, side);
+        if on { self.amplitude.mean() } else { 0.0 }
     }
 }

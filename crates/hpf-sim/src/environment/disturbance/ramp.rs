@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::environment::Quantity;
+
 /// A force that grows and stays.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
@@ -10,17 +12,17 @@ pub struct Ramp {
     /// Axis it acts on.
     pub axis: String,
     /// Force at the end of the ramp and after it [N].
-    pub amplitude: f64,
+    pub amplitude: Quantity,
     /// When it begins [s].
-    #[schemars(range(min = 0))]
-    pub start: f64,
+    #[schemars(extend("minimum" = 0))]
+    pub start: Quantity,
     /// How long it grows [s].
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub length: f64,
+    pub length: Quantity,
 }
 
 impl Ramp {
     pub(super) fn force(&self, time: f64) -> f64 {
-        self.amplitude * ((time - self.start) / self.length).clamp(0.0, 1.0)
+        self.amplitude.mean() * ((time - self.start.mean()) / self.length.mean()).clamp(0.0, 1.0)
     }
 }

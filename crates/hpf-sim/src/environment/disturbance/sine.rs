@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::environment::Quantity;
+
 /// A force that swings.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
@@ -10,17 +12,17 @@ pub struct Sine {
     /// Axis it acts on.
     pub axis: String,
     /// Largest force [N].
-    pub amplitude: f64,
+    pub amplitude: Quantity,
     /// Time of one swing [s].
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub period: f64,
+    pub period: Quantity,
     /// Phase at the start [rad].
-    #[serde(default)]
-    pub phase: f64,
+    #[serde(default = "super::nought")]
+    pub phase: Quantity,
 }
 
 impl Sine {
     pub(super) fn force(&self, time: f64) -> f64 {
-        self.amplitude * libm::sin(2.0 * core::f64::consts::PI * time / self.period + self.phase)
+        self.amplitude.mean() * libm::sin(2.0 * core::f64::consts::PI * time / self.period.mean() + self.phase.mean())
     }
 }

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Side, has_jumped};
+use crate::environment::Quantity;
 
 /// A force that jumps and stays.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -12,14 +13,14 @@ pub struct Step {
     /// Axis it acts on.
     pub axis: String,
     /// Force after the jump [N].
-    pub amplitude: f64,
+    pub amplitude: Quantity,
     /// When it jumps [s].
-    #[schemars(range(min = 0))]
-    pub start: f64,
+    #[schemars(extend("minimum" = 0))]
+    pub start: Quantity,
 }
 
 impl Step {
     pub(super) fn force(&self, time: f64, side: Side) -> f64 {
-        if has_jumped(self.start, time, side) { self.amplitude } else { 0.0 }
+        if has_jumped(self.start.mean(), time, side) { self.amplitude.mean() } else { 0.0 }
     }
 }

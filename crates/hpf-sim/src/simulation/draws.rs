@@ -1,0 +1,116 @@
+//! Rollouts over draws: a rollout of a task in which something is drawn is one motion for each draw. Its cost is their
+//! mean; its signals are those of all motions, each over the root of their number.
+
+use core::{mem, slice};
+
+use hpf_learn::{Cost, Draws, Parameters, SignalGroup};
+
+use super::circumstances::{Circumstances, Set};
+use super::{Simulation, Workspace};
+use crate::metrics::{Metric, over_draws};
+
+/// The signals of `draws` motions, axis by axis, from the groups of one motion.
+pub(super) fn repeated(mut groups: Vec<SignalGroup>, draws: usize) -> Vec<SignalGroup> {
+    for group in &mut groups {
+        group.signals = draws * group.signals.start..draws * group.signals.end;
+    }
+    groups
+}
+
+/// Adds `cost` to `mean`, over `count` motions; the first of them sets it.
+fn add_mean(mean: &mut Cost, cost: &Cost, first: bool, count: usize) {
+    let share = 1.0 / count as f64;
+    if first {
+        mean.running.clear();
+        mean.running.resize(cost.running.len(), 0.0);
+        mean.terms.clear();
+        mean.terms.resize(cost.terms.len(), 0.0);
+        mean.terminal = 0.0;
+    }
+    mean.running.iter_mut().zip(&cost.running).for_each(|(mean, cost)| *mean += share * cost);
+    mean.terms.iter_mut().zip(&cost.terms).for_each(|(mean, cost)| *mean += share * cost);
+    mean.terminal += share * cost.terminal;
+}
+
+impl Simulation {
+    /// What the motions of `draws` meet, kept in `kept` while the draws stay the same.
+    fn met<'w>(&'w self, draws: Draws, kept: &'w mut Option<(Draws, Vec<Circumstances>)>) -> &'w [Circumstances] {
+        if !self.is_random {
+            return slice::from_ref(&self.shown);
+        }
+        if kept.as_ref().is_none_or(|(of, _)| *of != draws) {
+            let met = Circumstances::of_set(&self.task, Set::Learning(draws), self.task.draws()).collect();
+            *kept = Some((draws, met));
+        }
+        kept.as_ref().map_or(&[], |(_, met)| met)
+    }
+
+    /// Makes a rollout of each of `parameters` in every draw and writes what it cost.
+    pub(crate) fn roll_draws(
+        &self,
+        draws: Draws,
+        parameters: &[Parameters<'_>],
+        workspace: &mut Workspace,
+        costs: &mut [Cost],
+    ) {
+        let (mut kept, mut own) = (workspace.met.take(), mem::take(&mut workspace.costs));
+        match self.met(draws, &mut kept) {
+            [only] => self.roll_costs(only, parameters, workspace, costs),
+            several => {
+                own.resize_with(costs.len(), Cost::default);
+                for (i, met) in several.iter().enumerate() {
+                    self.roll_costs(met, parameters, workspace, &mut own);
+                    costs.iter_mut().zip(&own).for_each(|(mean, cost)| add_mean(mean, cost, i == 0, several.len()));
+                }
+            }
+        }
+        (workspace.met, workspace.costs) = (kept, own);
+    }
+
+    /// Makes a rollout in every draw and writes what it cost and the signals it measured.
+    pub(crate) fn measure_draws(
+        &self,
+        draws: Draws,
+        parameters: Parameters<'_>,
+        workspace: &mut Workspace,
+        cost: &mut Cost,
+        signals: &mut Vec<f64>,
+    ) {
+        let Workspace { trace, met, signals: own, .. } = workspace;
+        let trace = trace.get_or_insert_with(|| self.blank_trace());
+        let met = self.met(draws, met);
+        let count = met.len();
+        own.resize_with(count, Vec::new);
+        let mut one = Cost::default();
+        for (i, (met, own)) in met.iter().zip(own.iter_mut()).enumerate() {
+            self.rollout_met(met, parameters, trace);
+            self.cost_into(trace, &mut one);
+            match count {
+                1 => mem::swap(cost, &mut one),
+                _ => add_mean(cost, &one, i == 0, count),
+            }
+            self.signals_into(trace, own);
+        }
+        signals.clear();
+        let share = (count as f64).sqrt().recip();
+        for group in &self.signals.groups {
+            let range = group.signals.start / count..group.signals.end / count;
+            signals.extend(own.iter().flat_map(|own| &own[range.clone()]).map(|signal| share * signal));
+        }
+    }
+
+    /// What the skill with `weights` costs and is measured by: over `evaluation_draws` motions, none of which learning
+    /// has seen, where something is drawn. The cost is their mean.
+    pub fn evaluate(&self, weights: &[f64]) -> (Cost, Vec<Metric>) {
+        let count = self.task.evaluation_draws();
+        let (mut trace, mut mean, mut one) = (self.blank_trace(), Cost::default(), Cost::default());
+        let mut metrics = Vec::with_capacity(count);
+        for (i, met) in Circumstances::of_set(&self.task, Set::Evaluation, count).enumerate() {
+            self.rollout_met(&met, Parameters::Constant(weights), &mut trace);
+            self.cost_into(&trace, &mut one);
+            add_mean(&mut mean, &one, i == 0, count);
+            metrics.push(self.metrics(&trace));
+        }
+        (mean, over_draws(metrics))
+    }
+}
