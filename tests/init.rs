@@ -54,8 +54,9 @@ fn the_schema_is_json_and_knows_the_keys_of_the_shipped_tasks() {
     let (stdout, _) = expect(0, folder.path(), &["schema"]);
     let schema: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert!(schema["$schema"].as_str().unwrap().starts_with("https://json-schema.org/"));
-    for entry in fs::read_dir(root().join("tasks")).unwrap() {
-        let text = read(entry.unwrap().path());
+    let paths = fs::read_dir(root().join("tasks")).unwrap().map(|entry| entry.unwrap().path());
+    for path in paths.filter(|path| path.extension().is_some_and(|extension| extension == "toml")) {
+        let text = read(path);
         let tables = text.lines().filter_map(|line| line.strip_prefix('[')?.trim_start_matches('[').split(']').next());
         for table in tables {
             assert!(schema["properties"][table].is_object(), "{table}");

@@ -152,6 +152,9 @@ fn what_cannot_be_varied_is_refused_before_anything_is_learned() {
     }
     let (_, stderr) = expect(2, folder.path(), &["sweep", &reach, "--vary", "rate=100,200", "--vary", "rate=50"]);
     assert!(stderr.contains("varied already"), "{stderr}");
+    let process = ["--set", "environment={ kind = \"process\", command = [\"true\"] }", "--set", "disturbance=[]"];
+    let (_, stderr) = expect(2, folder.path(), &[&["sweep", &reach][..], &process].concat());
+    assert!(stderr.contains("which hpf learn runs"), "{stderr}");
     assert!(fs::read_dir(folder.path()).unwrap().next().is_none(), "nothing is written");
 
     fs::create_dir(folder.path().join("mine")).unwrap();

@@ -1,4 +1,4 @@
-//! Ctrl-C: asked once, work ends where it is whole; asked twice, the program ends.
+//! Ctrl-C: asked once, work ends where it is whole, after the running update; asked twice, the program ends.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 

@@ -121,9 +121,10 @@ fn every_lane_has_the_bits_it_has_alone() {
     });
     let together = relax(y, from, to, x).0;
     for (i, together) in together.into_iter().enumerate() {
-        let [alone] = relax(Lanes([y.0[i]]), Lanes([from.0[i]]), Lanes([to.0[i]]), Lanes([x.0[i]])).0;
+        let [y, from, to, x] = [y, from, to, x].map(|lanes| lanes.0[i]);
+        let [alone] = relax(Lanes([y]), Lanes([from]), Lanes([to]), Lanes([x])).0;
         assert_eq!(together.to_bits(), alone.to_bits());
-        let scalar = relax(y.0[i], from.0[i], to.0[i], x.0[i]);
+        let scalar = relax(y, from, to, x);
         assert!((alone - scalar).abs() <= 4.0 * f64::EPSILON * scalar.abs().max(1.0), "near that of f64");
     }
 }

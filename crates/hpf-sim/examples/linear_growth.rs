@@ -4,7 +4,8 @@
 //! One thread; an update is draws, rollouts and improvement. Each time is the least of many, which other work on the
 //! machine does not touch.
 
-use std::time::{Duration, Instant};
+use core::time::Duration;
+use std::time::Instant;
 
 use hpf_learn::{Batch, Cost, Draws, Parameters, Pi2, Pi2Options, Problem};
 use hpf_sim::{Policy, Simulation, Task};

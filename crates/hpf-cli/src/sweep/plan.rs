@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::Sweep;
 use crate::failure::Failure;
-use crate::files::sha256;
+use crate::files::{in_file, sha256};
 use crate::trial::Prepared;
 
 /// Most runs of one sweep.
@@ -93,6 +93,11 @@ impl Plan {
                 let prepared = Prepared::read(&options.task, &changes).map_err(|failure| {
                     failure.with(&format!("this is one of the runs that --vary asks for: {}", setting.name))
                 })?;
+                if prepared.loaded.task.environment.is_some() {
+                    let message = "a sweep makes several motions at once, in simulation; [environment] names a process, \
+                                   which hpf learn runs";
+                    return Err(in_file(&options.task)(message));
+                }
                 let directory = Path::new("runs").join(directory(setting)).join(format!("seed-{seed}"));
                 jobs.push(Job { setting: index, seed, directory, prepared });
             }

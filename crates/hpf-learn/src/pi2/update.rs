@@ -334,6 +334,7 @@ struct Products<'a, const R: usize> {
 
 impl<const R: usize> Products<'_, R> {
     /// Takes in `C` packs from `column` on; as many sums as fit into the registers are made at a time.
+    #[expect(clippy::needless_range_loop, reason = "iterators nested here are not compiled to vector instructions")]
     #[inline(always)]
     fn add<const C: usize>(&mut self, column: usize) {
         let width = self.bases.width;

@@ -79,8 +79,8 @@ impl AxisPrices {
 /// What several rollouts cost, one per lane.
 pub(crate) struct Bill<'a, const N: usize> {
     running: &'a mut [[f64; N]],
-    pub(crate) terms: [Lanes<N>; Term::ALL.len()],
-    pub(crate) terminal: Lanes<N>,
+    terms: [Lanes<N>; Term::ALL.len()],
+    terminal: Lanes<N>,
 }
 
 impl<'a, const N: usize> Bill<'a, N> {
@@ -89,13 +89,19 @@ impl<'a, const N: usize> Bill<'a, N> {
         Self { running, terms: [Lanes::ZERO; Term::ALL.len()], terminal: Lanes::ZERO }
     }
 
+    /// What the rollout in `lane` cost by term, and at its end.
+    pub(crate) fn sums(&self, lane: usize) -> ([f64; Term::ALL.len()], f64) {
+        (self.terms.map(|term| term.0[lane]), self.terminal.0[lane])
+    }
+
     /// Writes what the rollout in `lane` cost.
     pub(crate) fn write(&self, lane: usize, cost: &mut Cost) {
+        let (terms, terminal) = self.sums(lane);
         cost.running.clear();
         cost.running.extend(self.running.iter().map(|row| row[lane]));
         cost.terms.clear();
-        cost.terms.extend(self.terms.iter().map(|term| term.0[lane]));
-        cost.terminal = self.terminal.0[lane];
+        cost.terms.extend(terms);
+        cost.terminal = terminal;
     }
 }
 
@@ -157,10 +163,10 @@ impl CostModel {
                 );
             }
         }
-        let Bill { terms, terminal, .. } = bill;
-        cost.terminal = terminal.to_f64();
+        let (terms, terminal) = bill.sums(0);
+        cost.terminal = terminal;
         cost.terms.clear();
-        cost.terms.extend(terms.map(Lanes::to_f64));
+        cost.terms.extend(terms);
     }
 }
 

@@ -7,7 +7,7 @@ use pulp::NullaryFnOnce;
 use super::Simulation;
 use super::circumstances::Circumstances;
 use super::profiles::{Constant, Rowwise};
-use crate::cost::{Bill, Term};
+use crate::cost::Bill;
 use crate::trace::Trace;
 
 /// Rollouts that step together: one register of AVX-512, two of AVX2, four of SSE2 or NEON.
@@ -81,10 +81,10 @@ impl Simulation {
             let profiles = self.rowwise(axis, parameters);
             self.roll_axis(a, &axis.alone, &profiles, &met.axes[a], self.cost.meter(a, &mut bill));
         }
-        let Bill { terms, terminal, .. } = bill;
-        cost.terminal = terminal.to_f64();
+        let (terms, terminal) = bill.sums(0);
+        cost.terminal = terminal;
         cost.terms.clear();
-        cost.terms.extend(terms.map(Lanes::to_f64));
+        cost.terms.extend(terms);
     }
 
     pub(super) fn rowwise<'a>(&'a self, axis: &super::AxisModel, parameters: Parameters<'a>) -> Rowwise<'a> {
@@ -119,5 +119,3 @@ impl NullaryFnOnce for Together<'_, '_> {
         }
     }
 }
-
-const _: () = assert!(Term::ALL.len() == 8, "the bill holds one number per term");
