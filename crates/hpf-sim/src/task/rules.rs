@@ -406,6 +406,10 @@ impl Rules<'_, '_, '_> {
 
     fn learning(&mut self) {
         let learning = &self.task.learning;
+        if learning.elites > 0 && self.task.is_random() {
+            let help = "leave `elites` at 0 where something is drawn";
+            self.say("learning.elites", "elites keep what they cost under other draws", help);
+        }
         let least = learning.rollouts.saturating_add(2).saturating_mul(self.task.draws());
         if learning.max_rollouts.is_some_and(|max| max < least) {
             let help = format!(

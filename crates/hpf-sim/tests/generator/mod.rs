@@ -272,7 +272,10 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     text.key("seed", dice.whole(0, 1 << 40));
     text.maybe(dice, "max_rollouts", |dice| dice.whole(5 * (rollouts + 2), 300));
     text.maybe(dice, "method", |dice| dice.name(&["pi2", "gauss-newton", "auto", "cma-es"]));
-    text.maybe(dice, "elites", |dice| dice.whole(0, 10).to_string());
+    // Elites are for costs that are not random.
+    if !["{ uniform", "{ choice", "[sensor]"].iter().any(|random| text.0.contains(random)) {
+        text.maybe(dice, "elites", |dice| dice.whole(0, 10).to_string());
+    }
     text.maybe(dice, "preset", |dice| dice.name(&["pi2", "paper", "pi-bb"]));
     text.maybe(dice, "exploration", |dice| dice.name(&["rollout", "basis", "step"]));
     text.maybe(dice, "anneal", |dice| dice.name(&["none", "linear", "geometric"]));
