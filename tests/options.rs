@@ -9,6 +9,7 @@ const COMMANDS: [&str; 14] = [
     "learn",
     "sweep",
     "reproduce",
+    "benchmark",
     "run",
     "imitate",
     "plot",
