@@ -332,7 +332,7 @@ pub struct Benchmark {
     #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub seeds: u32,
     /// Most motions of a run, evaluations included
-    #[arg(long, value_name = "COUNT", default_value_t = 12_000, value_parser = most_motions)]
+    #[arg(long, value_name = "COUNT", default_value_t = 4000, value_parser = most_motions)]
     pub motions: usize,
     /// Only these tasks, such as via_point,wall [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
