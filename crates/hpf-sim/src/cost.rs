@@ -119,7 +119,10 @@ impl CostModel {
     fn signal_count(&self, a: usize, steps: usize, contact: bool) -> usize {
         let along = |weight: f64, count: usize| if weight > 0.0 { count } else { 0 };
         let touching = along(self.tracking_weight, steps + 1) + along(self.contact_force_weight, steps + 1);
-        2 + self.via.len() + self.free_via.len() + along(self.acceleration_weight[a], steps) + if contact { touching } else { 0 }
+        2 + self.via.len()
+            + self.free_via.len()
+            + along(self.acceleration_weight[a], steps)
+            + if contact { touching } else { 0 }
     }
 
     /// The signals of each axis, given its number of parameters; `contact` is the axis that touches something.

@@ -376,7 +376,8 @@ fn costs_and_targets_need_something_to_measure() {
     for (from, to, place, key, what) in [
         ("acceleration = 1e-3", "tracking = 1.0", "1.0", "cost.tracking", "[contact]"),
         ("acceleration = 1e-3", "contact_force = 1.0", "1.0", "cost.contact_force", "[contact]"),
-        ("acceleration = 1e-3", "via_point = 1.0", "1.0", "cost.via_point", "[[via_point]]"),
+        ("acceleration = 1e-3", "via_point = 1.0", "1.0", "cost.via_point", "[[via_point]] with a `time`"),
+        ("acceleration = 1e-3", "via_distance = 1.0", "1.0", "cost.via_distance", "[[via_point]] without a `time`"),
         ("max_goal_error = 5e-3", "max_deviation = 5e-3", "5e-3", "accept.max_deviation", "[contact]"),
         ("max_goal_error = 5e-3", "max_force_error = 5e-3", "5e-3", "accept.max_force_error", "[contact]"),
         ("max_goal_error = 5e-3", "max_contact_loss = 0.0", "0.0", "accept.max_contact_loss", "[contact]"),

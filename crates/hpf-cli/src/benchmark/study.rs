@@ -19,7 +19,7 @@ pub struct Target {
     /// Its name.
     pub name: &'static str,
     text: &'static str,
-    /// Costs, the largest first. They were chosen before the methods were compared.
+    /// Costs, the largest first, the same for all methods.
     pub levels: [f64; 3],
 }
 
@@ -161,12 +161,7 @@ impl Study {
 }
 
 /// A task as one method learns it: all its own keys but those of the method and of the budget.
-fn prepared(
-    target: &Target,
-    changes: &[&str],
-    seed: u64,
-    motions: usize,
-) -> core::result::Result<LoadedTask, Failure> {
+fn prepared(target: &Target, changes: &[&str], seed: u64, motions: usize) -> core::result::Result<LoadedTask, Failure> {
     let parse = |text: &str| Task::parse(text).map_err(|found| report::render(&found, text, target.name));
     let draws = parse(target.text)?.draws();
     // Annealing ends with the budget.
