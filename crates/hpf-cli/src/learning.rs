@@ -114,7 +114,8 @@ fn learn_in<P: Problem>(
     failure: &dyn Fn() -> Option<String>,
 ) -> Result<Learned, Failure> {
     let task = &loaded.task;
-    let session = Session::begin(problem, start.weights(), &task.learning.method(), task.learning.max_rollouts);
+    let session =
+        Session::begin(problem, simulation.parameters(start), &task.learning.method(), task.learning.max_rollouts);
     let mut session = session.map_err(|error| bad_task(task, &error))?;
     let mut kept = Kept { task, simulation, rows: Vec::new(), snapshots: Vec::new() };
     let mut checkpoint = restore(loaded, folder, &mut session, &mut kept)?;
