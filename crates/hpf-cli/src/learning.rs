@@ -31,7 +31,7 @@ pub struct Learned {
     pub history: History,
     /// Measures of its motion.
     pub metrics: Vec<Metric>,
-    /// Wall time, of this session if there were several.
+    /// Wall time, of the last stretch where learning was broken off between.
     pub time: Duration,
     /// Why learning broke off, if it did.
     pub failure: Option<String>,
@@ -114,7 +114,8 @@ fn learn_in<P: Problem>(
     failure: &dyn Fn() -> Option<String>,
 ) -> Result<Learned, Failure> {
     let task = &loaded.task;
-    let session = Session::begin(problem, start.weights(), &task.learning.method(), task.learning.max_rollouts);
+    let session =
+        Session::begin(problem, simulation.parameters(start), &task.learning.method(), task.learning.max_rollouts);
     let mut session = session.map_err(|error| bad_task(task, &error))?;
     let mut kept = Kept { task, simulation, rows: Vec::new(), snapshots: Vec::new() };
     let mut checkpoint = restore(loaded, folder, &mut session, &mut kept)?;
@@ -156,13 +157,8 @@ fn learn_in<P: Problem>(
         Some((reason, history)) => (Some(reason), history),
         None => (None, session.history()),
     };
-    let mut policy = start.clone().with_weights(&history.best.weights);
-    policy.provenance.task_sha256 = sha256(&loaded.text);
-    policy.provenance.updates = history.best.update;
-    policy.provenance.cost = history.best.total;
-    let trajectory = simulation.rollout(&history.best.weights);
     let Kept { rows, snapshots, .. } = kept;
-    let run = Run { task: task.clone(), policy, learning: rows, trajectory, snapshots };
+    let run = Run::learned(loaded, start.clone(), simulation, &history.best, rows, snapshots);
     Ok(Learned { run, history, metrics: Vec::new(), time, failure, is_planned: false })
 }
 
@@ -212,18 +208,5 @@ impl Learned {
     /// Whether it was interrupted and can go on.
     pub fn is_open(&self) -> bool {
         self.failure.is_none() && self.history.stop == Stop::Asked
-    }
-
-    /// Why it ended, for the summary.
-    pub fn stopped_because(&self, task: &Task) -> String {
-        match (&self.failure, self.history.stop) {
-            (Some(reason), _) => reason.clone(),
-            (None, Stop::Updates) => "all updates were made".into(),
-            (None, Stop::Rollouts) => {
-                format!("the next update would pass max_rollouts = {}", task.learning.max_rollouts.unwrap_or_default())
-            }
-            (None, Stop::Asked) => "it was interrupted".into(),
-            (None, Stop::Settled(reason)) => reason.to_string(),
-        }
     }
 }

@@ -7,11 +7,11 @@ use hpf_learn::Progress;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, Disturbance, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
-use hpf_sim::{AxisTrace, ContactTrace, Metric, Policy, Trace};
+use hpf_sim::{AxisTrace, ContactTrace, Metric, Policy, Simulation, Trace};
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::{in_file, read_policy, read_task, read_text, while_writing};
+use crate::files::{LoadedTask, in_file, read_policy, read_task, read_text, sha256, while_writing};
 use crate::log::Head;
 use crate::{figure, log};
 
@@ -259,6 +259,23 @@ impl From<&Progress> for LearningRow {
 }
 
 impl Run {
+    /// What learning the task from the policy `start` led to at its `best`.
+    pub fn learned(
+        loaded: &LoadedTask,
+        start: Policy,
+        simulation: &Simulation,
+        best: &Progress,
+        learning: Vec<LearningRow>,
+        snapshots: Vec<(usize, Trace)>,
+    ) -> Self {
+        let mut policy = start.with_weights(&best.weights);
+        policy.provenance.task_sha256 = sha256(&loaded.text);
+        policy.provenance.updates = best.update;
+        policy.provenance.cost = best.total;
+        let trajectory = simulation.rollout(&best.weights);
+        Self { task: loaded.task.clone(), policy, learning, trajectory, snapshots }
+    }
+
     /// Reads a run directory.
     ///
     /// # Errors

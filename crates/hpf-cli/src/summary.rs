@@ -1,8 +1,12 @@
 //! `summary.json`: what a run came to, for other programs.
 
+use hpf_learn::{History, Progress, Stop};
 use hpf_sim::Metric;
 use hpf_sim::cost::Term;
 use serde_json::{Map, Value, json};
+
+use crate::files::sha256;
+use crate::results::Run;
 
 /// What a run came to.
 pub struct Summary {
@@ -41,6 +45,46 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// What the learning of `run` came to, whose measures are `metrics` and which took `seconds` of learning and in
+    /// all; `failure` is why it broke off, if it did.
+    pub fn of_learning(
+        run: &Run,
+        history: &History,
+        metrics: Vec<Metric>,
+        seconds: [f64; 2],
+        failure: Option<&str>,
+    ) -> Self {
+        let stopped_because = match (failure, history.stop) {
+            (Some(reason), _) => reason.to_owned(),
+            (None, Stop::Updates) => "all updates were made".into(),
+            (None, Stop::Rollouts) => {
+                let most = run.task.learning.max_rollouts.unwrap_or_default();
+                format!("the next update would pass max_rollouts = {most}")
+            }
+            (None, Stop::Asked) => "it was interrupted".into(),
+            (None, Stop::Settled(reason)) => reason.to_string(),
+        };
+        let cost = |progress: &Progress| (progress.total, progress.terms.clone());
+        Self {
+            task: run.task.name.clone(),
+            task_sha256: run.policy.provenance.task_sha256.clone(),
+            policy_sha256: sha256(&run.policy.to_json()),
+            method: run.task.learning.method.name(),
+            seed: run.task.learning.seed,
+            threads: rayon::current_num_threads(),
+            updates: history.updates,
+            best_update: history.best.update,
+            rollouts: history.rollouts,
+            learning_s: seconds[0],
+            total_s: seconds[1],
+            initial: cost(&history.initial),
+            last: cost(&history.best),
+            metrics,
+            rejected: history.rejected,
+            stopped_because,
+        }
+    }
+
     /// Whether a target was missed.
     pub fn is_missed(&self) -> bool {
         self.metrics.iter().any(|metric| metric.pass() == Some(false))

@@ -8,7 +8,7 @@ use hpf_sim::{Policy, Simulation};
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::{LoadedTask, read_task, sha256};
+use crate::files::{LoadedTask, read_task};
 use crate::results::{self, LearningRow, OwnTable, Run};
 use crate::summary::Summary;
 use crate::{interrupt, overrides};
@@ -90,36 +90,14 @@ pub fn learn(loaded: &LoadedTask) -> Result<Trial, Broken> {
         other => failed(&other),
     })?;
     let learning_s = learning.elapsed().as_secs_f64();
-    let stopped_because = match history.stop {
-        Stop::Asked => return Err(Broken::Interrupted),
-        Stop::Updates => "all updates were made".into(),
-        Stop::Rollouts => format!("the next update would pass max_rollouts = {}", most.unwrap_or_default()),
-        Stop::Settled(reason) => reason.to_string(),
-    };
-    let mut policy = start.with_weights(&history.best.weights);
-    policy.provenance.task_sha256 = sha256(&loaded.text);
-    policy.provenance.updates = history.best.update;
-    policy.provenance.cost = history.best.total;
-    let trajectory = simulation.rollout(&history.best.weights);
-    let summary = Summary {
-        task: task.name.clone(),
-        task_sha256: sha256(&loaded.text),
-        policy_sha256: sha256(&policy.to_json()),
-        method: task.learning.method.name(),
-        seed: task.learning.seed,
-        threads: rayon::current_num_threads(),
-        updates: history.updates,
-        best_update: history.best.update,
-        rollouts: history.rollouts,
-        learning_s,
-        total_s: begun.elapsed().as_secs_f64(),
-        initial: (history.initial.total, history.initial.terms),
-        last: (history.best.total, history.best.terms),
-        metrics: simulation.evaluate(&history.best.weights).1,
-        rejected: history.rejected,
-        stopped_because,
-    };
-    Ok(Trial { run: Run { task: task.clone(), policy, learning: rows, trajectory, snapshots }, summary })
+    if history.stop == Stop::Asked {
+        return Err(Broken::Interrupted);
+    }
+    let metrics = simulation.evaluate(&history.best.weights).1;
+    let run = Run::learned(loaded, start, &simulation, &history.best, rows, snapshots);
+    let seconds = [learning_s, begun.elapsed().as_secs_f64()];
+    let summary = Summary::of_learning(&run, &history, metrics, seconds, None);
+    Ok(Trial { run, summary })
 }
 
 /// Writes the run directory `target` of a trial, over what stands there; with its snapshots, log and plots where `full`.

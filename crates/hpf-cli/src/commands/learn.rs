@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::cli::{Common, Learn};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, read_task, say, sha256};
+use crate::files::{LoadedTask, read_task, say};
 use crate::learning::{Learned, learn as learn_in};
 use crate::summary::Summary;
 use crate::{overrides, render, results, start};
@@ -95,25 +95,9 @@ fn resume(run: &Path, common: &Common) -> Result<(LoadedTask, Unfinished, PathBu
 /// Writes everything that was learned, and says what it came to.
 fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started: Instant) -> Result<Summary, Failure> {
     let Learned { run, history, metrics, .. } = learned;
-    let policy = results::save(run, &loaded.text, metrics, folder)?;
-    let summary = Summary {
-        task: run.task.name.clone(),
-        task_sha256: sha256(&loaded.text),
-        policy_sha256: sha256(&policy),
-        method: run.task.learning.method.name(),
-        seed: run.task.learning.seed,
-        threads: rayon::current_num_threads(),
-        updates: history.updates,
-        best_update: history.best.update,
-        rollouts: history.rollouts,
-        learning_s: learned.time.as_secs_f64(),
-        total_s: started.elapsed().as_secs_f64(),
-        initial: (history.initial.total, history.initial.terms.clone()),
-        last: (history.best.total, history.best.terms.clone()),
-        metrics: metrics.clone(),
-        rejected: history.rejected,
-        stopped_because: learned.stopped_because(&run.task),
-    };
+    results::save(run, &loaded.text, metrics, folder)?;
+    let seconds = [learned.time, started.elapsed()].map(|time| time.as_secs_f64());
+    let summary = Summary::of_learning(run, history, metrics.clone(), seconds, learned.failure.as_deref());
     folder.write("summary.json", format!("{:#}\n", summary.to_json()))?;
     Ok(summary)
 }

@@ -19,7 +19,7 @@ fn run(name: &str, axes: &[String], rest: &str) -> Run {
     let task = Task::parse(&text).unwrap();
     let policy = Policy::initial(&task).unwrap();
     let simulation = Simulation::new(&task, &policy).unwrap();
-    let trajectory = simulation.rollout(&policy.weights());
+    let trajectory = simulation.rollout(&simulation.parameters(&policy));
     let cost = simulation.cost(&trajectory);
     let row = |update| LearningRow {
         update,

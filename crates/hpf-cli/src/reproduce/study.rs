@@ -206,7 +206,7 @@ pub fn constant_force_error() -> Result<f64, Failure> {
     let failed = |error: &dyn core::fmt::Display| Failure::Work(format!("constant_force.toml: {error}"));
     let policy = Policy::initial(&task).map_err(|error| failed(&error))?;
     let simulation = Simulation::new(&task, &policy).map_err(|error| failed(&error))?;
-    let trace = simulation.rollout(&policy.weights());
+    let trace = simulation.rollout(&simulation.parameters(&policy));
     let end = trace.axes[0].position.last().expect("a motion has steps");
     Ok(end - task.axis[0].goal)
 }
