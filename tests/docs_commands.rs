@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::support::{expect, folder, read, root};
 
 /// Commands that take minutes: their own tests run them, with less to do.
-const ELSEWHERE: [&str; 2] = ["sweep", "reproduce"];
+const ELSEWHERE: [&str; 3] = ["sweep", "reproduce", "benchmark"];
 
 /// A folder with the shipped tasks, what the commands shown start from, and `hpf` on the way to it.
 fn workplace() -> tempfile::TempDir {

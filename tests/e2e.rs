@@ -1,6 +1,7 @@
 //! End to end, through the built binary: what a user types, and what comes of it.
 
 mod acceptance;
+mod benchmark;
 mod check;
 mod continuous;
 mod directory;

@@ -5,10 +5,11 @@ use std::process::Command;
 
 use crate::support::{expect, folder, read, task};
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "learn",
     "sweep",
     "reproduce",
+    "benchmark",
     "run",
     "imitate",
     "plot",

@@ -65,6 +65,15 @@ Writes to runs/reproduction, or --out: figure_02_... to figure_12_..., claims.md
 seed, and the runs of the first seed. Seeds count up from --seed [default: 1]. --check and --update compare or replace what \
 stands in a page between its two marks, and write nothing else. Exit code 1 where the page is not current.";
 
+const BENCHMARK_EXAMPLES: &str = "\
+Examples:
+  hpf benchmark
+  hpf benchmark --task dmpbbo_via_point,wall --seeds 20 --out runs/compared
+  hpf benchmark --task reach --motions 400 --seeds 2 --json --out runs/quick
+
+Writes to runs/benchmark, or --out: benchmarks.md and benchmarks.json with the motions and seconds to stated costs, median and \
+worst over the seeds, and a figure per task in images/benchmarks/. Seeds count up from --seed [default: 1].";
+
 /// Options accepted before and after the command.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Common options")]
@@ -143,6 +152,9 @@ Without --out: policy.rs, policy.h, policy.bin or ros2.mcap beside the policy.")
     /// Draw every figure of the paper, and check its claims
     #[command(after_help = REPRODUCE_EXAMPLES)]
     Reproduce(Reproduce),
+    /// Compare the learning methods on every shipped task
+    #[command(after_help = BENCHMARK_EXAMPLES)]
+    Benchmark(Benchmark),
     /// Say what is in a run, task, policy or MCAP log; several runs side by side
     #[command(after_help = "\
 Examples:
@@ -311,6 +323,25 @@ pub struct Reproduce {
     /// Write what comes out between the marks of this page
     #[arg(long, value_name = "FILE")]
     pub update: Option<PathBuf>,
+}
+
+/// `hpf benchmark`
+#[derive(Args, Debug)]
+pub struct Benchmark {
+    /// Runs of every method on every task, each with a seed of its own
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Most motions of a run, evaluations included
+    #[arg(long, value_name = "COUNT", default_value_t = 4000, value_parser = most_motions)]
+    pub motions: usize,
+    /// Only these tasks, such as via_point,wall [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub task: Vec<String>,
+}
+
+fn most_motions(text: &str) -> Result<usize, String> {
+    let motions = text.parse().ok().filter(|motions| (100..=10_000_000).contains(motions));
+    motions.ok_or_else(|| "a whole number from 100 to 10000000".into())
 }
 
 /// `hpf info`

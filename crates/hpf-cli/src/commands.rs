@@ -1,5 +1,6 @@
 //! The commands, one file each: arguments to options to engine to text.
 
+mod benchmark;
 mod check;
 mod completions;
 mod export;
@@ -37,6 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Export(options) => export::export(options, common),
         Command::Sweep(options) => sweep::sweep(options, common),
         Command::Reproduce(options) => reproduce::reproduce(options, common),
+        Command::Benchmark(options) => benchmark::benchmark(options, common),
         Command::Info(options) => info::info(options, common),
         Command::Recover(options) => recover::recover(options, common),
         Command::Init(options) => init::init(options, common),

@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod benchmark;
 mod checkpoint;
 mod cli;
 mod commands;

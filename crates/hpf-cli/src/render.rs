@@ -154,7 +154,11 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
         let _ = writeln!(text, "  contact     {} on {}", contact.kind(), contact.axis());
     }
     for via in &task.via_point {
-        let _ = writeln!(text, "  via point   {:?} at {} s", via.position, via.time);
+        let when = match (via.time, via.radius.unwrap_or(0.0)) {
+            (Some(time), _) => format!("at {time} s"),
+            (None, radius) => format!("at any time, within {radius}"),
+        };
+        let _ = writeln!(text, "  via point   {:?} {when}", via.position);
     }
     let learning = &task.learning;
     let motions = 1 + learning.updates * (learning.rollouts + 1);

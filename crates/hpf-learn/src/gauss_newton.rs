@@ -314,8 +314,13 @@ impl GaussNewton {
         self.plan_bend();
     }
 
+    /// Most learned blocks of a group; where nothing is learned, one that is not there, so that the stage ends.
+    fn most_blocks(&self) -> usize {
+        self.groups.iter().map(|group| group.blocks.len()).max().unwrap_or(0).max(1)
+    }
+
     fn plan_bend(&mut self) {
-        let most = self.groups.iter().map(|group| group.blocks.len()).max().unwrap_or(0);
+        let most = self.most_blocks();
         let moved = |group: &Response, blocks: &[usize], size: f64| {
             let moving: Vec<_> = blocks.iter().filter_map(|&b| group.blocks.get(b)).collect();
             let is_moving = |j: usize| moving.iter().any(|block| block.contains(&j));
@@ -328,7 +333,7 @@ impl GaussNewton {
 
     fn bent(&mut self, told: &[Rollout]) {
         if told.iter().all(Rollout::is_finite) {
-            let plan = bend_plan(self.groups.iter().map(|group| group.blocks.len()).max().unwrap_or(0));
+            let plan = bend_plan(self.most_blocks());
             for group in &mut self.groups {
                 // A group with fewer blocks than the largest has no use for the rest of the plan.
                 let own =

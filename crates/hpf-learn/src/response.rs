@@ -66,7 +66,7 @@ pub(crate) struct Response {
     /// Where they stand among all.
     pub(crate) parameters: Range<usize>,
     pub(crate) signals: Range<usize>,
-    /// The parameters of each block, among the group's.
+    /// The parameters of each block that is learned, among the group's.
     pub(crate) blocks: Vec<Range<usize>>,
     min: Vec<f64>,
     max: Vec<f64>,
@@ -113,11 +113,14 @@ impl Response {
             if group.parameters.contains(&start) {
                 let first = response.units.len();
                 let n = block.count;
-                response.blocks.push(first..first + n);
                 response.min.extend(vec![block.min; n]);
                 response.max.extend(vec![block.max; n]);
                 // At most half the box: then one of the two ways always lies inside.
-                response.units.extend(vec![block.noise.min(0.5 * (block.max - block.min)); n]);
+                let unit = block.noise.min(0.5 * (block.max - block.min));
+                response.units.extend(vec![unit; n]);
+                if unit > 0.0 {
+                    response.blocks.push(first..first + n);
+                }
                 if !price.is_empty() {
                     let price = DMatrix::from_row_slice(n, n, price);
                     response.price.view_mut((first, first), (n, n)).copy_from(&price);
@@ -288,11 +291,12 @@ impl Response {
         let curvature = self.response.tr_mul(&self.response) + price;
         let slope = self.response.tr_mul(&from.signals) + (&self.price * weights).component_mul(&units);
         let mut damped = curvature.clone();
+        (0..n).filter(|j| self.units[*j] == 0.0).for_each(|j| damped[(j, j)] += 1.0);
         for (b, block) in self.blocks.iter().enumerate() {
             let bend = self.bends.column(b).sum() / block.len() as f64;
             for j in block.clone() {
-                // A parameter that is not learned, or that nothing answers to, has no curvature: any number will do.
-                damped[(j, j)] += if self.units[j] > 0.0 && bend > 0.0 { damping * bend } else { 1.0 };
+                // Parameters that nothing answers to have no curvature: any number will do.
+                damped[(j, j)] += if bend > 0.0 { damping * bend } else { 1.0 };
             }
         }
         let reach = |bound: f64, j: usize| if units[j] > 0.0 { (bound - from.weights[j]) / units[j] } else { 0.0 };

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! terminal:  1/2 W_goal |p(T) - g|^2 + 1/2 W_vel |v(T)|^2
-//! once:      1/2 W_via |p(t_via) - p_via|^2                     for each via point
+//! once:      1/2 W_via |p(t_via) - p_via|^2                     for each via point with a time
+//!            W_dist max(0, min_t |p(t) - p_via| - r)            for each via point without one
 //! running:   1/2 [W_track (p - n)^2 + W_force (F_c - f_d)^2 + W_acc |a|^2 + W_stiff |k|^2 + W_damp |d|^2] dt
 //! ```
 //! p, v, a are the tool's actual motion, n the curve of the contact, F_c - f_d its force less the set-point (not in the
@@ -10,15 +11,18 @@
 //! means the same at any rate (the paper sums without dt). Signals at samples are integrated by the trapezoid rule; the
 //! acceleration of a step is the change of velocity over it.
 //!
-//! Every term is a square, so the cost is `1/2 |rho|^2` of weighted signals rho and of what k and d cost: linear in
-//! the weights, those need no measuring and are a quadratic form of the weights instead.
+//! Every term but one is a square, so the cost is `1/2 |rho|^2` of weighted signals rho and of what k and d cost: linear
+//! in the weights, those need no measuring and are a quadratic form of the weights instead. A distance d is written as
+//! the square of `sqrt(2 d)`, along the way from the via point, so that its signals pass through nought with a sign.
 
+mod approach;
 mod meter;
 
 use hpf_learn::SignalGroup;
 
-use crate::task::{PerAxis, Task};
+use crate::task::{PerAxis, Task, ViaPoint};
 use crate::trace::Trace;
+pub(crate) use approach::Approach;
 use meter::AxisPrices;
 pub(crate) use meter::Bill;
 
@@ -29,7 +33,7 @@ pub enum Term {
     Goal,
     /// Velocity at the end.
     EndVelocity,
-    /// Distance to each via point at its time.
+    /// Distance to each via point, at its time or at the nearest.
     ViaPoint,
     /// Deviation from the curve of the contact.
     Tracking,
@@ -68,6 +72,9 @@ pub(crate) struct CostModel {
     axes: Vec<AxisPrices>,
     goal: Vec<f64>,
     via: Vec<(f64, Vec<f64>)>,
+    /// Via points that may be passed at any time, where their distance costs something.
+    free_via: Vec<ViaPoint>,
+    via_distance_weight: f64,
     goal_weight: Vec<f64>,
     end_velocity_weight: Vec<f64>,
     via_weight: Vec<f64>,
@@ -83,10 +90,13 @@ impl CostModel {
         let axes = task.axis.len();
         let spread = |value: &PerAxis| (0..axes).map(|i| value.of(i)).collect();
         let cost = &task.cost;
+        let is_free = |via: &&ViaPoint| via.time.is_none() && cost.via_distance > 0.0;
         Self {
             axes: (0..axes).map(|a| AxisPrices::new(task, a)).collect(),
             goal: task.axis.iter().map(|axis| axis.goal).collect(),
-            via: task.via_point.iter().map(|via| (via.time, via.position.clone())).collect(),
+            via: task.via_point.iter().filter_map(|via| Some((via.time?, via.position.clone()))).collect(),
+            free_via: task.via_point.iter().filter(is_free).cloned().collect(),
+            via_distance_weight: cost.via_distance,
             goal_weight: spread(&cost.goal),
             end_velocity_weight: spread(&cost.end_velocity),
             via_weight: spread(&cost.via_point),
@@ -100,11 +110,19 @@ impl CostModel {
 }
 
 impl CostModel {
+    /// Whether each axis has its own costs, so that they can be told axis by axis.
+    pub(crate) fn is_by_axis(&self) -> bool {
+        self.free_via.is_empty()
+    }
+
     /// Number of signals of axis `a` with `steps` steps, in contact or not.
     fn signal_count(&self, a: usize, steps: usize, contact: bool) -> usize {
         let along = |weight: f64, count: usize| if weight > 0.0 { count } else { 0 };
         let touching = along(self.tracking_weight, steps + 1) + along(self.contact_force_weight, steps + 1);
-        2 + self.via.len() + along(self.acceleration_weight[a], steps) + if contact { touching } else { 0 }
+        2 + self.via.len()
+            + self.free_via.len()
+            + along(self.acceleration_weight[a], steps)
+            + if contact { touching } else { 0 }
     }
 
     /// The signals of each axis, given its number of parameters; `contact` is the axis that touches something.
@@ -122,6 +140,7 @@ impl CostModel {
     /// Writes the signals of `trace`, axis by axis: `1/2 |rho|^2` is what it costs without stiffness and damping.
     pub(crate) fn signals(&self, trace: &Trace, signals: &mut Vec<f64>) {
         let (steps, dt) = (trace.steps(), trace.dt());
+        let approaches: Vec<Approach> = self.free_via.iter().map(|via| Approach::nearest(via, trace)).collect();
         signals.clear();
         for (a, axis) in trace.axes.iter().enumerate() {
             signals.push(self.goal_weight[a].sqrt() * (axis.position[steps] - self.goal[a]));
@@ -129,6 +148,10 @@ impl CostModel {
             for (time, position) in &self.via {
                 let error = trace.sample(&axis.position, *time) - position[a];
                 signals.push(self.via_weight[a].sqrt() * error);
+            }
+            for (via, approach) in self.free_via.iter().zip(&approaches) {
+                let offset = axis.position[approach.sample] - via.position[a];
+                signals.push(self.via_distance_weight.sqrt() * approach.signal(offset));
             }
             let factor = (self.acceleration_weight[a] * dt).sqrt();
             if factor > 0.0 {

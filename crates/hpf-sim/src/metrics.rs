@@ -1,8 +1,9 @@
 //! What a motion is judged by: every target of `[accept]`, and the environment's own measures.
 
+use crate::cost::Approach;
 use crate::environment::Contact;
 use crate::simulation::Simulation;
-use crate::task::Unit;
+use crate::task::{Unit, ViaPoint};
 use crate::trace::{AxisTrace, Trace};
 
 /// How long a motion may take to settle before its contact force is judged [s]; a shorter motion is judged at its end.
@@ -72,12 +73,11 @@ impl Simulation {
             }
         }
         if !self.task.via_point.is_empty() {
-            let errors = self
-                .task
-                .via_point
-                .iter()
-                .map(|via| distance(&|a| via.position[a], &|a| trace.sample(&trace.axes[a].position, via.time)));
-            let errors: Vec<f64> = errors.collect();
+            let error = |via: &ViaPoint| match via.time {
+                Some(time) => distance(&|a| via.position[a], &|a| trace.sample(&trace.axes[a].position, time)),
+                None => Approach::nearest(via, trace).outside,
+            };
+            let errors: Vec<f64> = self.task.via_point.iter().map(error).collect();
             metrics.push(metric("max_via_error", length, largest(errors.iter().copied()), accept.max_via_error));
             if self.task.is_random() || accept.rms_via_error.is_some() {
                 let square = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;

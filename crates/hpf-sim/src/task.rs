@@ -237,18 +237,21 @@ impl Default for Admittance {
     }
 }
 
-/// A position to pass through at a time.
+/// A position to pass through: at a time, or at any.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
 pub struct ViaPoint {
-    /// When to pass [s], after the start and no later than the duration.
+    /// When to pass [s], after the start and no later than the duration. Left out: at any time.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub time: f64,
+    pub time: Option<f64>,
     /// Where to pass, one number per axis [axis unit].
     pub position: Vec<f64>,
+    /// How near is near enough, where it is passed at any time [axis unit]; left out, nought.
+    #[schemars(range(min = 0))]
+    pub radius: Option<f64>,
 }
 
-/// Weights of the cost terms; each term is half the weight times a square. Nought leaves a term out.
+/// Weights of the cost terms; each term but `via_distance` is half the weight times a square. Nought leaves a term out.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -259,6 +262,10 @@ pub struct CostWeights {
     pub end_velocity: PerAxis,
     /// Distance to each via point at its time [1/unit^2].
     pub via_point: PerAxis,
+    /// Distance of the nearest sample to each via point that has no time, beyond its radius; the weight times the
+    /// distance itself, as part of the term `via_point` [1/unit].
+    #[schemars(range(min = 0))]
+    pub via_distance: f64,
     /// Deviation from the curve of the contact, integrated over time [1/(unit^2 s)].
     #[schemars(range(min = 0))]
     pub tracking: f64,
@@ -298,7 +305,7 @@ pub struct Accept {
     /// Time without contact, all of it together [s].
     #[schemars(range(min = 0))]
     pub max_contact_loss: Option<f64>,
-    /// Largest distance to a via point at its time [m].
+    /// Largest distance to a via point at its time, or at any beyond its radius [m].
     #[schemars(range(min = 0))]
     pub max_via_error: Option<f64>,
     /// Root of the mean square distance to the via points at their times, over all draws [m].

@@ -151,7 +151,7 @@ fn contact_force_is_its_error_from_the_set_point() {
 }
 
 fn via(time: f64, position: [f64; 2]) -> ViaPoint {
-    ViaPoint { time, position: position.to_vec() }
+    ViaPoint { time: Some(time), position: position.to_vec(), radius: None }
 }
 
 #[test]
@@ -245,5 +245,32 @@ fn a_weight_means_the_same_at_any_rate() {
             let gap = (hundred[term as usize] / thousand[term as usize] - 1.0).abs();
             assert!(gap < tolerance, "{term:?}: {gap:e}");
         }
+    }
+}
+
+#[test]
+fn a_via_point_without_a_time_costs_the_distance_of_the_nearest_sample_outside_its_radius() {
+    const DMPBBO: &str = include_str!("../../../tasks/dmpbbo_via_point.toml");
+    for (radius, is_met) in [(0.1, false), (5.0, true)] {
+        let mut task = Task::parse(DMPBBO).unwrap();
+        task.cost = CostWeights { via_distance: 2.0, ..CostWeights::default() };
+        task.via_point[0].radius = Some(radius);
+        // The bare pull passes it by some 0.4.
+        let policy = Policy::initial(&task).unwrap();
+        let simulation = Simulation::new(&task, &policy).unwrap();
+        let trace = simulation.rollout(&policy.weights());
+        let [x, y] = [0, 1].map(|a| &trace.axes[a].position);
+        let nearest = x.iter().zip(y).map(|(x, y)| (x - 3.0_f64).hypot(y - 3.0)).fold(f64::INFINITY, f64::min);
+        let outside = (nearest - radius).max(0.0);
+        assert_eq!(outside == 0.0, is_met);
+        let cost = simulation.cost(&trace);
+        assert!((cost.total() - 2.0 * outside).abs() < 1e-12 && cost.terms[Term::ViaPoint as usize] == cost.total());
+        let mut signals = Vec::new();
+        simulation.signals_into(&trace, &mut signals);
+        let half_squares = 0.5 * signals.iter().map(|signal| signal * signal).sum::<f64>();
+        assert!((half_squares - cost.total()).abs() < 1e-12, "{half_squares}");
+        let metrics = simulation.metrics(&trace);
+        let error = metrics.iter().find(|metric| metric.name == "max_via_error").unwrap().value;
+        assert!((error - outside).abs() < 1e-12, "{error}");
     }
 }

@@ -5,6 +5,7 @@ use hpf_sim::task::{PerAxis, TemperatureKind};
 use hpf_sim::{Diagnostic, Policy, Simulation, Task};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
+const DMPBBO: &str = include_str!("../../../tasks/dmpbbo_via_point.toml");
 const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
 const MOVING_LOAD: &str = include_str!("../../../tasks/cantilever_moving_load.toml");
 const REACH: &str = include_str!("../../../tasks/reach.toml");
@@ -13,6 +14,7 @@ const REACH: &str = include_str!("../../../tasks/reach.toml");
 fn every_shipped_task_is_accepted_and_can_be_simulated() {
     for (text, name, axes, steps) in [
         (VIA_POINT, "via_point", 2, 500),
+        (DMPBBO, "dmpbbo_via_point", 2, 75),
         (BEAM, "cantilever", 1, 500),
         (MOVING_LOAD, "cantilever_moving_load", 1, 500),
         (REACH, "reach", 1, 100),
@@ -101,7 +103,8 @@ fn an_unknown_key_names_the_nearest_one() {
     one(BEAM, ("[contact]", "[contct]"), "contct", "unknown key `contct`, did you mean `contact`?", keys);
     let gain = "stiffness takes: basis, overlap, initial, min, max";
     one(VIA_POINT, ("initial = 100", "intial = 100"), "intial", "unknown key `intial`, did you mean `initial`?", gain);
-    let cost = "cost takes: goal, end_velocity, via_point, tracking, contact_force, acceleration, stiffness, damping";
+    let cost = "cost takes: goal, end_velocity, via_point, via_distance, tracking, contact_force, acceleration, \
+                stiffness, damping";
     one(VIA_POINT, ("acceleration = 1e-2", "jerk = 1.0"), "jerk", "unknown key `jerk`", cost);
     let scaling = ("scaling = \"goal\"", "scaling = { amplitde = 1 }");
     let near = "unknown key `amplitde`, did you mean `amplitude`?";
@@ -347,6 +350,20 @@ fn forces_and_contacts_name_an_axis_that_is_there() {
 }
 
 #[test]
+fn a_via_point_has_a_time_or_a_radius_and_a_weight_that_measures_it() {
+    let radius = "position = [3.0, 3.0]\nradius = 0.1";
+    let both = "time = 0.4\nposition = [3.0, 3.0]\nradius = 0.1";
+    let found = mistakes(&DMPBBO.replace(radius, both));
+    let told: Vec<&str> = found.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+    assert_eq!(told, ["a `radius` beside a `time`", "`cost.via_distance` has nothing to measure"]);
+    assert_eq!(found[1].help, "add a [[via_point]] without a `time`, or leave it out");
+    let timed = mistakes(&DMPBBO.replace("via_distance = 1.0", "via_point = 1.0"));
+    assert_eq!(timed[0].message, "`cost.via_point` has nothing to measure");
+    assert_eq!(timed[0].help, "add a [[via_point]] with a `time`, or leave it out");
+    assert!(mistakes(&DMPBBO.replace("radius = 0.1", "radius = -0.1"))[0].message.contains("out of range"));
+}
+
+#[test]
 fn a_via_point_lies_within_the_movement() {
     let message = "the via point at 5.5 s lies outside the movement";
     let help = "`time` must lie after 0 s and no later than duration = 5 s";
@@ -359,7 +376,8 @@ fn costs_and_targets_need_something_to_measure() {
     for (from, to, place, key, what) in [
         ("acceleration = 1e-3", "tracking = 1.0", "1.0", "cost.tracking", "[contact]"),
         ("acceleration = 1e-3", "contact_force = 1.0", "1.0", "cost.contact_force", "[contact]"),
-        ("acceleration = 1e-3", "via_point = 1.0", "1.0", "cost.via_point", "[[via_point]]"),
+        ("acceleration = 1e-3", "via_point = 1.0", "1.0", "cost.via_point", "[[via_point]] with a `time`"),
+        ("acceleration = 1e-3", "via_distance = 1.0", "1.0", "cost.via_distance", "[[via_point]] without a `time`"),
         ("max_goal_error = 5e-3", "max_deviation = 5e-3", "5e-3", "accept.max_deviation", "[contact]"),
         ("max_goal_error = 5e-3", "max_force_error = 5e-3", "5e-3", "accept.max_force_error", "[contact]"),
         ("max_goal_error = 5e-3", "max_contact_loss = 0.0", "0.0", "accept.max_contact_loss", "[contact]"),

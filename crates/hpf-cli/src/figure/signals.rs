@@ -82,7 +82,8 @@ pub fn position(run: &Run) -> Figure {
         }
         let pen = Pen::dashed(VERMILLION);
         layers.push(Layer::signal(&run.trajectory.time, reference, length.factor, pen).labelled("learned reference"));
-        let via: Vec<_> = task.via_point.iter().map(|via| (via.time, length.factor * via.position[i])).collect();
+        let via = task.via_point.iter().filter_map(|via| Some((via.time?, length.factor * via.position[i])));
+        let via: Vec<_> = via.collect();
         if !via.is_empty() {
             layers.push(Layer::marks(Mark::Dot, via, Pen::thin(GREEN)).labelled("via point"));
         }

@@ -74,7 +74,7 @@ impl<'a> Scene<'a> {
         };
         let goal = self.task.axis.iter().map(|axis| axis.goal).collect();
         let mut targets = vec![(self.task.duration, goal)];
-        targets.extend(self.task.via_point.iter().map(|via| (via.time, via.position.clone())));
+        targets.extend(self.task.via_point.iter().map(|via| (via.time.unwrap_or(0.0), via.position.clone())));
         let travel = |time: f64| {
             self.task.contact.as_ref().map_or(0.0, |contact| contact.travel((time / self.task.duration).min(1.0)))
         };

@@ -145,7 +145,7 @@ fn over(trial: &Trial, from: f64, to: f64, signal: fn(&AxisTrace) -> &Vec<f64>, 
 
 fn stiffness(study: &Study) -> Claim {
     let task = &study.first(Variant::ViaPoint).0.loaded.task;
-    let (via, end) = (task.via_point[0].time, task.duration);
+    let (via, end) = (task.via_point[0].time.expect("the via point of Task 1 has a time"), task.duration);
     let of = |from: f64, to: f64, pick: fn(f64, f64) -> f64| {
         study.spread(Variant::ViaPoint, move |trial| over(trial, from, to, |axis| &axis.stiffness, pick))
     };
@@ -162,7 +162,7 @@ fn stiffness(study: &Study) -> Claim {
 
 fn damping(study: &Study) -> Claim {
     let task = &study.first(Variant::ViaPoint).0.loaded.task;
-    let (via, end) = (task.via_point[0].time, task.duration);
+    let (via, end) = (task.via_point[0].time.expect("the via point of Task 1 has a time"), task.duration);
     let of = |from: f64, to: f64| {
         study.spread(Variant::ViaPoint, move |trial| over(trial, from, to, |axis| &axis.damping, f64::max))
     };

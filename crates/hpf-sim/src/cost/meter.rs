@@ -3,7 +3,7 @@
 use hpf_core::{Lanes, Real};
 use hpf_learn::Cost;
 
-use super::{CostModel, Term};
+use super::{Approach, CostModel, Term};
 use crate::simulation::{Sample, Sink};
 use crate::task::Task;
 use crate::trace::Trace;
@@ -47,12 +47,13 @@ impl AxisPrices {
         let mut via: Vec<_> = task
             .via_point
             .iter()
-            .map(|via| {
-                let at = (via.time / dt).clamp(0.0, steps as f64);
+            .filter_map(|via| {
+                let time = via.time?;
+                let at = (time / dt).clamp(0.0, steps as f64);
                 let before = (at.floor() as usize).min(steps.saturating_sub(1));
                 // The step that ends at or after the via point answers for it, with all before it.
-                let step = ((via.time / dt - 1e-6).ceil() as usize).clamp(1, steps) - 1;
-                ViaPrice { before, share: at - before as f64, step, position: via.position[a] }
+                let step = ((time / dt - 1e-6).ceil() as usize).clamp(1, steps) - 1;
+                Some(ViaPrice { before, share: at - before as f64, step, position: via.position[a] })
             })
             .collect();
         via.sort_by_key(|via| via.before);
@@ -167,6 +168,13 @@ impl CostModel {
         cost.terminal = terminal;
         cost.terms.clear();
         cost.terms.extend(terms);
+        for via in &self.free_via {
+            let near = Approach::nearest(via, trace);
+            let price = self.via_distance_weight * near.outside;
+            // The step that ends there answers for it, with all before it.
+            cost.running[near.sample.max(1) - 1] += price;
+            cost.terms[Term::ViaPoint as usize] += price;
+        }
     }
 }
 

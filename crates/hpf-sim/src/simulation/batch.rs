@@ -38,6 +38,14 @@ impl Simulation {
         workspace: &mut Workspace,
         costs: &mut [Cost],
     ) {
+        if !self.cost.is_by_axis() {
+            let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
+            for (&parameters, cost) in parameters.iter().zip(costs) {
+                self.rollout_met(met, parameters, trace);
+                self.cost_into(trace, cost);
+            }
+            return;
+        }
         for (parameters, costs) in parameters.chunks(LANES).zip(costs.chunks_mut(LANES)) {
             let is_constant = |parameters: &Parameters<'_>| matches!(parameters, Parameters::Constant(_));
             if parameters.iter().all(is_constant) {

@@ -6,7 +6,7 @@ use super::keys::{Document, unknown};
 use super::learning::PRIMITIVES;
 use super::{
     Diagnostic, Environment, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis,
-    Scaling, Task, Unit,
+    Scaling, Task, Unit, ViaPoint,
 };
 use crate::environment::{Distribution, Quantity};
 
@@ -304,13 +304,20 @@ impl Rules<'_, '_, '_> {
 
     fn via_points(&mut self) {
         for (i, via) in self.task.via_point.iter().enumerate() {
-            if self.task.duration > 0.0 && via.time > self.task.duration {
-                let message = format!("the via point at {} s lies outside the movement", via.time);
+            if let Some(time) = via.time
+                && self.task.duration > 0.0
+                && time > self.task.duration
+            {
+                let message = format!("the via point at {time} s lies outside the movement");
                 self.say(
                     &format!("via_point.{i}.time"),
                     message,
                     format!("`time` must lie after 0 s and no later than duration = {} s", self.task.duration),
                 );
+            }
+            if via.time.is_some() && via.radius.is_some() {
+                let help = "leave out `time` to pass it at any time, or `radius` to pass it at this time";
+                self.say(&format!("via_point.{i}.radius"), "a `radius` beside a `time`", help);
             }
             let axes = self.task.axis.len();
             if via.position.len() != axes {
@@ -331,6 +338,7 @@ impl Rules<'_, '_, '_> {
         if task.environment.is_none()
             && cost.tracking == 0.0
             && cost.contact_force == 0.0
+            && cost.via_distance == 0.0
             && per_axis.into_iter().all(silent)
         {
             self.say(
@@ -353,9 +361,18 @@ impl Rules<'_, '_, '_> {
                 }
             }
         }
+        let is_timed = |via: &ViaPoint| via.time.is_some();
+        for (path, given, is_measured, article) in [
+            ("cost.via_point", weighs(&cost.via_point), task.via_point.iter().any(is_timed), "with a"),
+            ("cost.via_distance", cost.via_distance > 0.0, !task.via_point.iter().all(is_timed), "without a"),
+        ] {
+            if given && !is_measured {
+                let help = format!("add a [[via_point]] {article} `time`, or leave it out");
+                self.say(path, format!("`{path}` has nothing to measure"), help);
+            }
+        }
         if task.via_point.is_empty() {
             for (path, given) in [
-                ("cost.via_point", weighs(&cost.via_point)),
                 ("accept.max_via_error", task.accept.max_via_error.is_some()),
                 ("accept.rms_via_error", task.accept.rms_via_error.is_some()),
             ] {

@@ -106,7 +106,7 @@ pub fn disturbance(runs: &[Named<'_>]) -> Figure {
 pub fn position(runs: &[Named<'_>]) -> Figure {
     let panel = |i: usize, axis: &TaskAxis| {
         let marks = |run: &Run| {
-            let via = run.task.via_point.iter().map(|via| (via.time, via.position[i]));
+            let via = run.task.via_point.iter().filter_map(|via| Some((via.time?, via.position[i])));
             (via.collect::<Vec<_>>(), vec![(run.task.duration, run.task.axis[i].goal)])
         };
         let mut values: Vec<f64> = vec![];

@@ -1,0 +1,38 @@
+//! `hpf benchmark`
+
+use std::fs;
+
+use crate::support::{expect, folder, json, read};
+
+#[test]
+fn every_method_is_measured_on_the_tasks_that_are_named() {
+    let folder = folder();
+    let arguments = ["benchmark", "--task", "reach,dmpbbo_via_point", "--seeds", "2", "--motions", "150", "--out", "b"];
+    let (stdout, _) = expect(0, folder.path(), &arguments);
+    let page = read(folder.path().join("b/benchmarks.md"));
+    let data = json(folder.path().join("b/benchmarks.json"));
+    assert_eq!((&data["format"], &data["version"]), (&"hpf-benchmark".into(), &1.into()));
+    assert_eq!(data["results"].as_array().unwrap().len(), 10);
+    for task in ["reach", "dmpbbo_via_point"] {
+        assert!(page.contains(&format!("## {task}\n")) && stdout.contains(task));
+        let figure = fs::read(folder.path().join(format!("b/images/benchmarks/{task}.png"))).unwrap();
+        assert!(figure.starts_with(b"\x89PNG"));
+    }
+    for method in ["paper", "pi2", "pi-bb", "auto", "cma-es"] {
+        assert_eq!(page.matches(&format!("| `{method}` |")).count(), 2, "{method}");
+    }
+    // Learning from signals reaches the lowest level of the first task with all seeds, the paper's PI2 none.
+    let lowest = |method: &str| {
+        let found = data["results"].as_array().unwrap().iter().find(|r| r["task"] == "reach" && r["method"] == method);
+        found.unwrap()["levels"][2].clone()
+    };
+    assert_eq!(lowest("auto")["seeds"], 2);
+    assert!(lowest("auto")["motions"]["largest"].as_f64().unwrap() <= 150.0);
+    assert_eq!(lowest("paper")["seeds"], 0);
+    assert!(lowest("paper")["motions"]["median"].is_null());
+
+    let (_, stderr) = expect(2, folder.path(), &arguments);
+    assert!(stderr.contains("b/benchmarks.md exists and is left as it is"), "{stderr}");
+    let (_, stderr) = expect(2, folder.path(), &["benchmark", "--task", "walls"]);
+    assert!(stderr.contains("there is no task `walls` to compare on; there are: via_point, cantilever"), "{stderr}");
+}
