@@ -36,7 +36,7 @@ fn signals(task: &Task, trace: &Trace) -> DVector<f64> {
         rho.push(cost.goal.of(a).sqrt() * (axis.position[steps] - task.axis[a].goal));
         rho.push(cost.end_velocity.of(a).sqrt() * axis.velocity[steps]);
         for via in &task.via_point {
-            let sample = (via.time * task.rate).round() as usize; // this task's lies on the grid
+            let sample = (via.time.unwrap() * task.rate).round() as usize; // this task's lies on the grid
             rho.push(cost.via_point.of(a).sqrt() * (axis.position[sample] - via.position[a]));
         }
         let weight = (cost.acceleration.of(a) * dt).sqrt();
