@@ -2,10 +2,13 @@
 
 use crate::support::{expect, folder, task};
 
+/// The method whose motions can be counted beforehand.
+const PI2: &str = "learning.method=pi2";
+
 #[test]
 fn every_kind_of_file_is_described() {
     let folder = folder();
-    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet", "--out", "run"]);
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet", "--out", "run", "--set", PI2]);
     expect(0, folder.path(), &["export", "run", "--format", "binary"]);
     expect(0, folder.path(), &["export", "run", "--ros2"]);
     for (file, words) in [
@@ -28,8 +31,20 @@ fn every_kind_of_file_is_described() {
 fn runs_stand_side_by_side_with_the_keys_in_which_they_differ() {
     let folder = folder();
     let reach = task("reach.toml");
-    expect(0, folder.path(), &["learn", &reach, "--quiet", "--out", "long"]);
-    let fewer = ["learn", &reach, "--quiet", "--out", "short", "--set", "learning.updates=2", "--set", "accept={}"];
+    expect(0, folder.path(), &["learn", &reach, "--quiet", "--out", "long", "--set", PI2]);
+    let fewer = [
+        "learn",
+        &reach,
+        "--quiet",
+        "--out",
+        "short",
+        "--set",
+        PI2,
+        "--set",
+        "learning.updates=2",
+        "--set",
+        "accept={}",
+    ];
     expect(0, folder.path(), &fewer);
     let (stdout, _) = expect(0, folder.path(), &["info", "long", "short"]);
     let line = |name: &str| {

@@ -112,8 +112,18 @@ fn finished_runs_are_kept_and_the_missing_ones_made() {
 fn a_failed_run_is_reported_and_the_others_go_on() {
     let folder = folder();
     let reach = task("reach.toml");
-    let arguments =
-        ["sweep", &reach, "--seeds", "2", "--vary", "learning.noise.movement=20,1e300", "--set", "accept={}"];
+    let arguments = [
+        "sweep",
+        &reach,
+        "--seeds",
+        "2",
+        "--vary",
+        "learning.noise.movement=20,1e300",
+        "--set",
+        "accept={}",
+        "--set",
+        "learning.method=pi2",
+    ];
     let (stdout, stderr) = expect(1, folder.path(), &arguments);
     assert!(stdout.contains("2 of 4 runs finished, 2 failed"), "{stdout}");
     assert!(stderr.contains("learning.noise.movement=1e300/seed-1") && stderr.contains("finite cost"), "{stderr}");

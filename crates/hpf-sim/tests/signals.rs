@@ -120,6 +120,7 @@ fn task_2_is_learned_from_signals_in_about_a_hundred_motions() {
 
 #[test]
 fn the_keys_of_learning_come_to_the_methods_settings() {
+    let auto = AutoOptions { rollouts: 20, updates: 100, seed: 1 };
     let method = |keys: &str| {
         let text = TASKS[3].1;
         let start = text.find("[learning]").unwrap();
@@ -127,6 +128,9 @@ fn the_keys_of_learning_come_to_the_methods_settings() {
         let text = format!("{}[learning]\n{keys}\n{}", &text[..start], &text[end..]);
         Task::parse(&text).unwrap_or_else(|found| panic!("{keys}: {found:?}")).learning.method()
     };
+    assert_eq!(method(""), Method::Auto(auto));
+    let method =
+        |keys: &str| if keys.contains("method") { method(keys) } else { method(&format!("method = \"pi2\"\n{keys}")) };
     assert_eq!(method(""), Method::Pi2(Pi2Options::default()));
     assert_eq!(method("preset = \"pi-bb\""), Method::Pi2(Pi2Options::black_box()));
     assert_eq!(method("preset = \"paper\""), Method::Pi2(Pi2Options::paper(0.1)));

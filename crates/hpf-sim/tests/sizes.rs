@@ -7,9 +7,10 @@ use hpf_sim::task::{MAX_MEMORY, MAX_NUMBERS};
 fn text(rate: f64, basis: usize, learning: &str, more: &str) -> String {
     let gain =
         |name: &str, initial: f64| format!("[{name}]\nbasis = {basis}\ninitial = {initial}\nmin = 1\nmax = 1000\n");
+    let method = if learning.contains("method") { "" } else { "method = \"pi2\"\n" };
     format!(
         "name = \"large\"\nduration = 1.0\nrate = {rate:?}\n[[axis]]\nname = \"x\"\nstart = 0\ngoal = 1\n\
-         [movement]\nbasis = {basis}\n{}{}[cost]\ngoal = 1.0\nacceleration = 1e-6\n[learning]\nupdates = 1\n{learning}\n{more}",
+         [movement]\nbasis = {basis}\n{}{}[cost]\ngoal = 1.0\nacceleration = 1e-6\n[learning]\nupdates = 1\n{method}{learning}\n{more}",
         gain("stiffness", 100.0),
         gain("damping", 20.0),
     )

@@ -404,6 +404,15 @@ fn learning_has_room_for_an_update_and_keeps_only_what_it_makes() {
 }
 
 #[test]
+fn a_setting_of_pi2_needs_the_method_named() {
+    let text = REACH.replace("updates = 100", "updates = 100\npreset = \"paper\"");
+    let [found] = &mistakes(&text)[..] else { panic!("one mistake") };
+    assert_eq!(&text[found.span.clone()], "\"paper\"");
+    assert!(found.message.contains("`preset` is a setting of pi2") && found.help.contains("method = \"pi2\""));
+    Task::parse(&text.replace("preset =", "method = \"pi2\"\npreset =")).unwrap();
+}
+
+#[test]
 fn all_mistakes_are_told_in_the_order_of_the_text() {
     let keys = VIA_POINT
         .replace("rate = 100.0", "rate = 0.0")

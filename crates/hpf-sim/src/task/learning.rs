@@ -13,7 +13,7 @@ pub(super) const PRIMITIVES: [&str; 4] = ["movement", "stiffness", "damping", "g
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Learning {
-    /// The learning method.
+    /// The learning method. Keys that only PI2 takes need it named.
     pub method: Method,
     /// Where the settings below start from.
     pub preset: Preset,
@@ -65,7 +65,7 @@ pub struct Learning {
 impl Default for Learning {
     fn default() -> Self {
         Self {
-            method: Method::Pi2,
+            method: Method::Auto,
             preset: Preset::Pi2,
             updates: 100,
             rollouts: 20,

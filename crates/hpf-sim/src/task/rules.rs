@@ -38,6 +38,10 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     rules.sizes();
 }
 
+/// Keys of `[learning]` that PI2 alone takes.
+const OF_PI2: [&str; 9] =
+    ["preset", "temperature", "credit", "exploration", "covariance", "projection", "elites", "anneal", "final_noise"];
+
 struct Rules<'t, 'd, 'f> {
     task: &'t Task,
     document: &'d Document<'d>,
@@ -423,6 +427,13 @@ impl Rules<'_, '_, '_> {
 
     fn learning(&mut self) {
         let learning = &self.task.learning;
+        let is_given = |key: &str| self.document.span(&format!("learning.{key}")) != self.document.span("learning");
+        if !is_given("method")
+            && let Some(key) = OF_PI2.into_iter().find(|key| is_given(key))
+        {
+            let help = "say method = \"pi2\" too; with no method named it is \"auto\", which has nothing to set";
+            self.say(&format!("learning.{key}"), format!("`{key}` is a setting of pi2, and no method is named"), help);
+        }
         if learning.elites > 0 && self.task.is_random() {
             let help = "leave `elites` at 0 where something is drawn";
             self.say("learning.elites", "elites keep what they cost under other draws", help);

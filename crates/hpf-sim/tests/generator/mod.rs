@@ -271,7 +271,9 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     text.key("rollouts", rollouts);
     text.key("seed", dice.whole(0, 1 << 40));
     text.maybe(dice, "max_rollouts", |dice| dice.whole(5 * (rollouts + 2), 300));
-    text.maybe(dice, "method", |dice| dice.name(&["pi2", "gauss-newton", "auto", "cma-es"]));
+    // Half of them PI2, whose keys below need it named.
+    let method = if dice.chance(0.5) { dice.name(&["gauss-newton", "auto", "cma-es"]) } else { dice.name(&["pi2"]) };
+    text.key("method", method);
     // Elites are for costs that are not random.
     if !["{ uniform", "{ choice", "[sensor]"].iter().any(|random| text.0.contains(random)) {
         text.maybe(dice, "elites", |dice| dice.whole(0, 10).to_string());
