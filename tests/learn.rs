@@ -178,7 +178,8 @@ fn the_paper_preset_and_the_minimum_jerk_start_learn_too() {
     let reach = task("reach.toml");
     // Noise at every step averages out: it needs a larger scale, and a lambda that suits this small cost.
     let noise = "learning.noise={ movement = 40.0, stiffness = 80.0, damping = 20.0 }";
-    let settings = ["learning.preset=paper", "learning.temperature={ lambda = 0.01 }", noise, "accept={}"];
+    let settings =
+        ["learning.method=pi2", "learning.preset=paper", "learning.temperature={ lambda = 0.01 }", noise, "accept={}"];
     let arguments =
         ["learn", &reach, "--quiet", "--out", "p"].into_iter().chain(settings.iter().flat_map(|set| ["--set", set]));
     expect(0, folder.path(), &arguments.collect::<Vec<_>>());
