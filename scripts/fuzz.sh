@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../fuzz"
 
 seconds=${1:-60}
 targets=("${@:2}")
-[ ${#targets[@]} -gt 0 ] || targets=(task overrides policy packed tables mcap)
+[ ${#targets[@]} -gt 0 ] || targets=(task overrides policy packed tables demonstrations mcap)
 
 if ! cargo fuzz --version >/dev/null 2>&1; then
     cargo install --locked cargo-fuzz || {

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use hpf_core::packed::{Packed, crc32};
 use hpf_sim::task::Task;
-use hpf_sim::{Conditions, Policy, Simulation};
+use hpf_sim::{Conditions, Demonstration, Policy, Simulation};
 
 use crate::export::{Format, Precision, export};
 use crate::{files, log, overrides, report, results};
@@ -16,12 +16,13 @@ use crate::{files, log, overrides, report, results};
 pub type Reader = fn(&[u8]) -> bool;
 
 /// Every reader by its name, that of its fuzz target and of the folder of its seeds.
-pub const ALL: [(&str, Reader); 6] = [
+pub const ALL: [(&str, Reader); 7] = [
     ("task", task),
     ("overrides", overrides),
     ("policy", policy),
     ("packed", packed),
     ("tables", tables),
+    ("demonstrations", demonstrations),
     ("mcap", mcap),
 ];
 
@@ -125,6 +126,26 @@ fn unpack(bytes: &[u8]) -> bool {
     ];
     assert!(skills[..2].iter().filter(|is_skill| **is_skill).count() < 2, "a skill has one number of axes");
     true
+}
+
+/// A demonstration, whose signals are finite and as long as its time.
+pub fn demonstrations(bytes: &[u8]) -> bool {
+    let Some(text) = text(bytes) else { return false };
+    match Demonstration::parse(text) {
+        Ok(demonstration) => {
+            let time = &demonstration.time;
+            assert!(demonstration.duration() > 0.0 && time.windows(2).all(|pair| pair[0] < pair[1]));
+            for axis in &demonstration.axes {
+                assert!(axis.position.len() == time.len() && axis.position.iter().all(|position| position.is_finite()));
+            }
+            true
+        }
+        Err(mistakes) => {
+            assert!(mistakes.iter().all(|mistake| mistake.line >= 1 && !mistake.message.is_empty()));
+            assert!(!mistakes.is_empty());
+            false
+        }
+    }
 }
 
 /// A table: the header says which. Trajectories are those of a small task with two axes and a contact.
