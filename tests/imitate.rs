@@ -1,5 +1,6 @@
 //! `hpf imitate`, and learning from what it made.
 
+use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
@@ -54,10 +55,34 @@ fn every_command_takes_what_imitate_leaves() {
     expect(0, folder.path(), &["run", "runs/wipe", "--rate", "1000"]);
     expect(0, folder.path(), &["export", "runs/wipe", "--format", "c"]);
     expect(0, folder.path(), &["plot", "runs/wipe", "--out", "figures"]);
+    expect(0, folder.path(), &["plot", "runs/wipe", "--only", "demonstration", "--out", "only"]);
+    for place in ["figures", "only"] {
+        let drawn = fs::read(folder.path().join(place).join("demonstration.png")).unwrap();
+        assert!(drawn == fs::read(run.join("plots/demonstration.png")).unwrap(), "{place} has another figure");
+    }
     let (stdout, _) = expect(0, folder.path(), &["info", "runs/wipe"]);
     assert!(stdout.contains("imitation") && stdout.contains("demonstration_rmse"), "{stdout}");
     let (_, stderr) = expect(2, folder.path(), &["imitate", &file]);
     assert!(stderr.contains("--force"), "existing results stay: {stderr}");
+}
+
+#[test]
+fn the_figure_of_the_demonstrations_is_offered_where_there_are_any_and_refuses_a_damaged_table() {
+    let folder = folder();
+    imitate(folder.path(), "wipe", &[]);
+    let few = ["--quiet", "--set", "learning.updates=2", "--out", "learned"];
+    expect(0, folder.path(), &[&["learn", "runs/wipe/task.toml", "--from", "runs/wipe"][..], &few].concat());
+    let plot = |code, run: &str, only: &str| {
+        expect(code, folder.path(), &["plot", run, "--out", "figures", "--force", "--only", only]).1
+    };
+    assert!(plot(2, "learned", "demonstration").ends_with("there are cost, stiffness, damping, disturbance, path\n"));
+    assert!(plot(2, "runs/wipe", "demo").contains("path, demonstration"));
+    let file = folder.path().join("runs/wipe/demonstrations.csv");
+    let whole = read(&file);
+    for damaged in ["", &whole[..whole.len() / 2], &whole.replacen("x_demonstration_1_m", "z_demonstration_1_m", 1)] {
+        fs::write(&file, damaged).unwrap();
+        assert!(plot(2, "runs/wipe", "demonstration").contains("demonstrations.csv: "));
+    }
 }
 
 #[test]
@@ -212,7 +237,7 @@ fn a_run_is_imitated_into_its_task() {
 #[test]
 fn mistakes_are_told_by_file_line_and_column() {
     let folder = folder();
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("bad.csv", "time_s,x_m\n0,0\n1,1\n1,2\n2,three\n3,3\n");
     let (stdout, stderr) = expect(2, folder.path(), &["imitate", "bad.csv"]);
     assert!(stdout.is_empty());
@@ -243,7 +268,7 @@ fn the_same_demonstrations_give_the_same_bytes() {
     for name in
         ["policy.json", "task.toml", "trajectory.csv", "demonstrations.csv", "log.mcap", "plots/demonstration.png"]
     {
-        let bytes = |run: &str| std::fs::read(folder.path().join(run).join(name)).unwrap();
+        let bytes = |run: &str| fs::read(folder.path().join(run).join(name)).unwrap();
         assert_eq!(bytes("one"), bytes("two"), "{name}");
     }
 }

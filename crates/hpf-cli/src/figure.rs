@@ -85,6 +85,9 @@ pub fn figures(run: &Run) -> Vec<Drawing<'_>> {
         figures.push(Drawing::new("deviation", || contact::deviation(run)));
         figures.push(Drawing::new("contact_force", || contact::force(run)));
     }
+    if !run.demonstrations.is_empty() {
+        figures.push(Drawing::new("demonstration", || demonstration::positions(run)));
+    }
     figures
 }
 
@@ -126,22 +129,6 @@ pub fn draw(figures: &[Drawing<'_>], subject: &str, format: Format, folder: &Pat
 /// As [`draw`].
 pub fn draw_into(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
     for name in draw(&figures(run), &run.task.name, Format::Png, &folder.path("plots"))? {
-        folder.written(&format!("plots/{name}"));
-    }
-    Ok(())
-}
-
-/// Draws the demonstrations that the policy of `run` imitates into `plots/`, each by axis at the samples of the run.
-///
-/// # Errors
-/// As [`draw`].
-pub fn draw_demonstrations(
-    run: &Run,
-    demonstrations: &[Vec<Vec<f64>>],
-    folder: &mut Unfinished,
-) -> Result<(), Failure> {
-    let drawing = Drawing::new("demonstration", || demonstration::positions(run, demonstrations));
-    for name in draw(&[drawing], &run.task.name, Format::Png, &folder.path("plots"))? {
         folder.written(&format!("plots/{name}"));
     }
     Ok(())

@@ -148,7 +148,7 @@ pub fn demonstrations(bytes: &[u8]) -> bool {
     }
 }
 
-/// A table: the header says which. Trajectories are those of a small task with two axes and a contact.
+/// A table: the header says which. Trajectories and demonstrations are those of a small task with two axes and a contact.
 pub fn tables(bytes: &[u8]) -> bool {
     let Some(text) = text(bytes) else { return false };
     if let Ok(trace) = results::read_trajectory(&TABLE_TASK, text) {
@@ -159,6 +159,12 @@ pub fn tables(bytes: &[u8]) -> bool {
     if let Ok(rows) = results::read_learning(text) {
         let again = results::read_learning(&results::learning_csv(&rows));
         assert_eq!(format!("{rows:?}"), format!("{:?}", again.expect("rows that were read can be read again")));
+        return true;
+    }
+    if let Ok(demonstrations) = results::demonstrations::read(&TABLE_TASK, text) {
+        let count = TABLE_TASK.steps() + 1;
+        let axes = demonstrations.iter().inspect(|axes| assert_eq!(axes.len(), TABLE_TASK.axis.len())).flatten();
+        axes.for_each(|positions| assert_eq!(positions.len(), count));
         return true;
     }
     match files::parse_table(text) {

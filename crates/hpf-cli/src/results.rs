@@ -1,5 +1,7 @@
 //! What a run leaves behind, as plain data: tables, logs and pictures only read it.
 
+pub mod demonstrations;
+
 use std::io;
 use std::path::Path;
 
@@ -27,6 +29,8 @@ pub struct Run {
     pub trajectory: Trace,
     /// The motion after some updates, in their order.
     pub snapshots: Vec<(usize, Trace)>,
+    /// The recordings that the policy imitates, each by axis at the samples of the trajectory; of others, none.
+    pub demonstrations: Vec<Vec<Vec<f64>>>,
 }
 
 /// One row of `learning.csv`.
@@ -44,6 +48,9 @@ pub struct LearningRow {
     pub exploration: f64,
 }
 
+/// The table of what a policy imitates.
+const DEMONSTRATIONS: &str = "demonstrations.csv";
+
 fn bad(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
 }
@@ -55,6 +62,10 @@ fn refuse_cut(text: &str) -> io::Result<()> {
     } else {
         Err(bad("the last row does not end: the file was cut"))
     }
+}
+
+fn other_rows(rows: usize, samples: usize) -> String {
+    format!("it has {rows} rows, the trajectory of this task {samples}")
 }
 
 /// The text of `learning.csv`.
@@ -176,7 +187,7 @@ pub fn read_trajectory(task: &Task, text: &str) -> io::Result<Trace> {
     }
     let (rows, samples) = (trace.time.len(), task.steps() + 1);
     if rows != samples {
-        return Err(bad(format!("it has {rows} rows, the trajectory of this task {samples}")));
+        return Err(bad(other_rows(rows, samples)));
     }
     if let (Some(signals), Some(contact)) = (&mut trace.contact, &task.contact) {
         signals.travel = trace.time.iter().map(|time| contact.travel(time / task.duration)).collect();
@@ -240,10 +251,10 @@ fn write_tables(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
     for (update, trace) in &run.snapshots {
         folder.write(&format!("snapshots/{update}.csv"), trajectory_csv(&run.task, trace))?;
     }
-    match beam_csv(&run.task) {
-        Some(csv) => folder.write("beam.csv", csv),
-        None => Ok(()),
+    if let Some(csv) = beam_csv(&run.task) {
+        folder.write("beam.csv", csv)?;
     }
+    if run.demonstrations.is_empty() { Ok(()) } else { folder.write(DEMONSTRATIONS, demonstrations::write(run)) }
 }
 
 impl From<&Progress> for LearningRow {
@@ -273,7 +284,7 @@ impl Run {
         policy.provenance.updates = best.update;
         policy.provenance.cost = best.total;
         let trajectory = simulation.rollout(&best.weights);
-        Self { task: loaded.task.clone(), policy, learning, trajectory, snapshots }
+        Self { task: loaded.task.clone(), policy, learning, trajectory, snapshots, demonstrations: Vec::new() }
     }
 
     /// Reads a run directory.
@@ -295,6 +306,12 @@ impl Run {
                 snapshots.push((update, read_trajectory(&task, &read_text(&path)?).map_err(in_file(&path))?));
             }
         }
-        Ok(Self { task, policy, learning, trajectory, snapshots })
+        let path = directory.join(DEMONSTRATIONS);
+        let demonstrations = if path.exists() {
+            demonstrations::read(&task, &read_text(&path)?).map_err(in_file(&path))?
+        } else {
+            Vec::new()
+        };
+        Ok(Self { task, policy, learning, trajectory, snapshots, demonstrations })
     }
 }

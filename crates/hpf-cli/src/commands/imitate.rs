@@ -49,8 +49,6 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
             folder.write(&table.name, &table.csv)?;
         }
         results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
-        folder.write("demonstrations.csv", saved::demonstrations_csv(&run, &imitated))?;
-        saved::draw(&run, &imitated, &mut folder)?;
         summary.total_s = started.elapsed().as_secs_f64();
         folder.write("summary.json", format!("{:#}\n", account.in_json(summary.to_json())))
     })();
@@ -147,7 +145,7 @@ fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, V
     policy.provenance.cost = price.0;
 
     let errors = imitated.errors(&trajectory);
-    let units: Vec<&str> = task.axis.iter().map(saved::unit).collect();
+    let units: Vec<&str> = task.axis.iter().map(|axis| saved::unit(axis.unit)).collect();
     let unit = if units.iter().all(|unit| *unit == units[0]) { units[0] } else { "" };
     let whole = errors.iter().map(|error| error * error).sum::<f64>().sqrt();
     metrics.push(Metric { name: "demonstration_rmse", unit, value: whole, target: None });
@@ -170,6 +168,13 @@ fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, V
         rejected: 0,
         stopped_because: "a demonstration was fitted, nothing learned".into(),
     };
-    let run = Run { task: task.clone(), policy, learning: vec![row], trajectory, snapshots: Vec::new() };
+    let run = Run {
+        task: task.clone(),
+        policy,
+        learning: vec![row],
+        trajectory,
+        snapshots: Vec::new(),
+        demonstrations: imitated.demonstrations.clone(),
+    };
     Ok((run, summary, errors))
 }

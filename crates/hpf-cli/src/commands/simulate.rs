@@ -38,7 +38,8 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     }
     let motions = loaded.task.evaluation_draws();
     let row = LearningRow { update: 0, rollouts: motions, total: price.0, terms: cost.terms, exploration: 0.0 };
-    let run = Run { task: loaded.task.clone(), policy, learning: vec![row], trajectory, snapshots: Vec::new() };
+    let (snapshots, demonstrations) = (Vec::new(), Vec::new());
+    let run = Run { task: loaded.task.clone(), policy, learning: vec![row], trajectory, snapshots, demonstrations };
     let mut summary = Summary {
         task: run.task.name.clone(),
         task_sha256: sha256(&loaded.text),

@@ -7,9 +7,9 @@ use super::palette::{BLUE, GREY, Pen, tint};
 use super::signals::{axis_heading, axis_phrase, time_axis};
 use crate::results::Run;
 
-/// Draws `demonstrations`, each by axis at the samples of the run, and the run's reference over them.
-pub fn positions(run: &Run, demonstrations: &[Vec<Vec<f64>>]) -> Figure {
-    let time = &run.trajectory.time;
+/// Draws the demonstrations of `run` and its reference over them.
+pub fn positions(run: &Run) -> Figure {
+    let (time, demonstrations) = (&run.trajectory.time, &run.demonstrations);
     let panels = run.task.axis.iter().enumerate().map(|(i, axis)| {
         let reference = &run.trajectory.axes[i].reference_position;
         let recorded = || demonstrations.iter().map(|demonstration| &demonstration[i]);

@@ -29,7 +29,7 @@ fn run(name: &str, axes: &[String], rest: &str) -> Run {
         exploration: 1.0,
     };
     let snapshots = vec![(0, trajectory.clone())];
-    Run { learning: vec![row(0), row(1)], task, policy, trajectory, snapshots }
+    Run { learning: vec![row(0), row(1)], task, policy, trajectory, snapshots, demonstrations: Vec::new() }
 }
 
 fn runs() -> Vec<Run> {
@@ -37,6 +37,8 @@ fn runs() -> Vec<Run> {
     let long = "a_very_long_name_of_an_axis_____";
     let seven: Vec<String> =
         (1..=7).map(|i| if i == 4 { axis(long, "rad") } else { axis(&format!("q{i}"), "m") }).collect();
+    let mut imitated = run("imitated", &[x.clone(), turn.clone()], "");
+    imitated.demonstrations = vec![imitated.trajectory.axes.iter().map(|axis| axis.position.clone()).collect(); 2];
     vec![
         run("reach", core::slice::from_ref(&x), ""),
         run("plane", &[x.clone(), y.clone()], "[[via_point]]\ntime = 0.5\nposition = [0.01, 0.02]\n"),
@@ -45,6 +47,7 @@ fn runs() -> Vec<Run> {
         run("beam", core::slice::from_ref(&y), BEAM),
         run("beam_and_more", &[x.clone(), y.clone()], BEAM),
         run("wall", &[y], WALL),
+        imitated,
     ]
 }
 
@@ -57,6 +60,7 @@ fn the_kind_of_task_decides_which_figures_there_are() {
     assert_eq!(found[4], "cost stiffness damping beam path deviation contact_force");
     assert_eq!(found[5], "cost stiffness damping beam path position deviation contact_force");
     assert_eq!(found[6], "cost stiffness damping path deviation contact_force");
+    assert_eq!(found[7], format!("{free} demonstration"));
 }
 
 #[test]

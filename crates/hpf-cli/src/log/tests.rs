@@ -40,7 +40,8 @@ fn run() -> Run {
         exploration: 0.5_f64.powi(update as i32),
     };
     let trajectory = simulation.rollout(&simulation.starting_weights(&policy).unwrap());
-    Run { task, policy, learning: (0..=4).map(row).collect(), trajectory, snapshots: Vec::new() }
+    let (snapshots, demonstrations) = (Vec::new(), Vec::new());
+    Run { task, policy, learning: (0..=4).map(row).collect(), trajectory, snapshots, demonstrations }
 }
 
 /// A path of this test's own.

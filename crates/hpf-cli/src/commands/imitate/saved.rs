@@ -3,20 +3,16 @@
 use core::fmt::Write as _;
 
 use hpf_sim::demonstration::{DampingFrom, Imitated, StiffnessFrom};
-use hpf_sim::task::{Axis, Task, Unit};
+use hpf_sim::task::{Task, Unit};
 use serde_json::{Map, Value, json};
 
 use super::Source;
-use crate::directory::Unfinished;
-use crate::failure::Failure;
-use crate::figure;
 use crate::render::{self, number};
-use crate::results::Run;
 use crate::summary::Summary;
 
 /// The unit of an axis in letters.
-pub fn unit(axis: &Axis) -> &'static str {
-    match axis.unit {
+pub fn unit(unit: Unit) -> &'static str {
+    match unit {
         Unit::M => "m",
         Unit::Rad => "rad",
     }
@@ -71,7 +67,7 @@ impl Account {
     /// `summary` with the account under `imitation`.
     pub fn in_json(&self, mut summary: Value) -> Value {
         let axes = self.axes.iter().map(|axis| {
-            let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+            let unit = unit(axis.unit);
             let mut object = Map::new();
             object.insert("name".into(), json!(axis.name));
             object.insert(format!("rmse_{unit}"), json!(axis.error));
@@ -106,7 +102,7 @@ impl Account {
         let _ =
             writeln!(text, "\n{:<8} {:>14} {:>14}   {:<14} damping from", "axis", "RMSE", "spread", "stiffness from");
         for axis in &self.axes {
-            let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+            let unit = unit(axis.unit);
             let _ = writeln!(
                 text,
                 "{:<8} {:>14} {:>14}   {:<14} {}",
@@ -123,29 +119,4 @@ impl Account {
         let _ = write!(text, "\nnext: hpf learn {folder}/task.toml --from {folder} --out {folder}_learned\n");
         text
     }
-}
-
-/// The text of `demonstrations.csv`: each demonstration at the samples of the policy, and the policy's reference.
-pub fn demonstrations_csv(run: &Run, imitated: &Imitated) -> String {
-    let mut columns = vec![("time_s".to_owned(), run.trajectory.time.clone())];
-    for (a, axis) in run.task.axis.iter().enumerate() {
-        let (name, unit) = (&axis.name, unit(axis));
-        for (number, demonstration) in imitated.demonstrations.iter().enumerate() {
-            columns.push((format!("{name}_demonstration_{}_{unit}", number + 1), demonstration[a].clone()));
-        }
-        columns.push((format!("{name}_reference_{unit}"), run.trajectory.axes[a].reference_position.clone()));
-    }
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text = names.join(",") + "\n";
-    for row in 0..run.trajectory.time.len() {
-        let numbers: Vec<String> = columns.iter().map(|(_, list)| format!("{:?}", list[row])).collect();
-        text += &numbers.join(",");
-        text.push('\n');
-    }
-    text
-}
-
-/// Draws the demonstrations and what became of them into `plots/`.
-pub fn draw(run: &Run, imitated: &Imitated, folder: &mut Unfinished) -> Result<(), Failure> {
-    figure::draw_demonstrations(run, &imitated.demonstrations, folder)
 }
