@@ -2,9 +2,11 @@
 
 use std::fs;
 
+use crate::process::has_python;
 use crate::support::{expect, folder, read, root};
 
-const KINDS: [&str; 6] = ["reach", "via_point", "cantilever", "cantilever_moving_load", "wall", "joint"];
+const KINDS: [&str; 8] =
+    ["reach", "via_point", "cantilever", "cantilever_moving_load", "wall", "joint", "stochastic", "process"];
 
 #[test]
 fn every_kind_is_a_commented_task_that_is_valid_and_learns() {
@@ -20,7 +22,11 @@ fn every_kind_is_a_commented_task_that_is_valid_and_learns() {
             .filter(|line| ["duration", "rate"].iter().any(|key| line.starts_with(key)) && !line.contains('#'))
             .collect();
         assert!(uncommented.is_empty(), "{kind}: {uncommented:?} say no unit");
+        assert!(text.contains(&format!("\nname = \"{kind}\"\n")), "{text}");
         expect(0, folder.path(), &["check", &file]);
+        if kind == "process" && !has_python() {
+            continue;
+        }
         expect(0, folder.path(), &["learn", &file, "--quiet"]);
     }
     let (help, _) = expect(0, folder.path(), &["init", "--help"]);
@@ -46,6 +52,33 @@ fn a_task_is_named_after_its_file_and_replaces_nothing() {
     expect(0, folder.path(), &["init", "reach", "--out", "my arm.toml"]);
     expect(0, folder.path(), &["check", "my arm.toml"]);
     expect(2, folder.path(), &["init", "nothing"]);
+}
+
+#[test]
+fn a_task_of_a_process_comes_with_its_program_and_names_it() {
+    let folder = folder();
+    let arm = ["init", "process", "--out", "my lab/arm.toml"];
+    let (stdout, _) = expect(0, folder.path(), &[&arm[..], &["--json"]].concat());
+    assert!(stdout.contains("\"program\": \"my lab/arm.py\""), "{stdout}");
+    let text = read(folder.path().join("my lab/arm.toml"));
+    assert!(text.contains("command = [\"python3\", \"my lab/arm.py\"]"), "{text}");
+    assert!(text.contains("its equation in arm.py,") && !text.contains("point_mass"), "{text}");
+    if has_python() {
+        let few = ["--quiet", "--set", "learning.updates=2", "--set", "accept={}"];
+        expect(0, folder.path(), &[&["learn", "my lab/arm.toml"][..], &few].concat());
+    }
+    // Neither file is replaced where one of them stands.
+    for (left, other) in [("arm.toml", "arm.py"), ("arm.py", "arm.toml")] {
+        fs::remove_file(folder.path().join("my lab").join(other)).unwrap();
+        let (_, stderr) = expect(2, folder.path(), &arm);
+        assert!(stderr.contains(left) && stderr.contains("--force"), "{stderr}");
+        assert!(!folder.path().join("my lab").join(other).exists(), "{other}");
+        expect(0, folder.path(), &[&arm[..], &["--force"]].concat());
+    }
+    for out in ["-", "arm.py"] {
+        let (_, stderr) = expect(2, folder.path(), &["init", "process", "--out", out]);
+        assert!(stderr.contains("two files"), "{stderr}");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use crate::support::{command, expect, expect_same_run, folder, hpf, json, read, root};
 
 /// Whether Python is here; where not, the test says so and ends.
-fn has_python() -> bool {
+pub fn has_python() -> bool {
     let found = Command::new("python3").arg("--version").stdout(Stdio::null()).status().is_ok_and(|s| s.success());
     if !found {
         eprintln!("SKIPPED: there is no python3 here");

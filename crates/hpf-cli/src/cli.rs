@@ -177,6 +177,7 @@ checksum is wrong. The file that is read is never written.")]
 Examples:
   hpf init reach                             # writes reach.toml
   hpf init wall --out press.toml             # a task named press
+  hpf init process --out arm.toml            # and arm.py, the program that makes the rollouts
   hpf init via_point --out - | head")]
     Init(Init),
     /// Write the JSON schema of the task file, for editors

@@ -208,6 +208,18 @@ pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Writes the file `target` and the folders above it, where nothing stands or it may be replaced.
+///
+/// # Errors
+/// As [`refuse_occupied`] and [`write`].
+pub fn place(target: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
+    refuse_occupied(target, force)?;
+    if let Some(folder) = target.parent() {
+        fs::create_dir_all(folder).map_err(while_writing(folder))?;
+    }
+    write(target, bytes)
+}
+
 /// Puts one result where the user wants it: into the file `--out` or `default`, on stdout for `-` and where there is no
 /// default. `report` tells of a file written, as text and as JSON; where it has nothing to tell, its name is said.
 ///
@@ -229,11 +241,7 @@ pub fn deliver(
             return Ok(Outcome::Done);
         }
     };
-    refuse_occupied(target, common.force)?;
-    if let Some(folder) = target.parent() {
-        fs::create_dir_all(folder).map_err(while_writing(folder))?;
-    }
-    write(target, bytes)?;
+    place(target, bytes, common.force)?;
     match report(target) {
         Some((_, object)) if common.json => say(&format!("{object:#}\n"))?,
         Some((text, _)) => say(&text)?,

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use serde_json::json;
+use toml_edit::Value;
 
 use crate::cli::{Common, Init};
 use crate::failure::{Failure, Outcome};
-use crate::files::deliver;
+use crate::files::{deliver, place, refuse_occupied};
 
 /// The kinds of task to start from: the shipped ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,7 +26,15 @@ pub enum Kind {
     Wall,
     /// Turn a rotary joint through a via point against a pulse
     Joint,
+    /// Reach a goal through a via point under a push that nobody knows: drawn motions, measured on others held out
+    Stochastic,
+    /// A simulator or a robot of your own: a task, and the program that makes its rollouts
+    Process,
 }
+
+/// The program that makes the rollouts of the shipped task of kind process: its place and its text.
+const PROGRAM: (&str, &str) =
+    ("examples/process/point_mass.py", include_str!("../../../../examples/process/point_mass.py"));
 
 impl Kind {
     fn name(self) -> &'static str {
@@ -36,17 +45,27 @@ impl Kind {
             Self::CantileverMovingLoad => "cantilever_moving_load",
             Self::Wall => "wall",
             Self::Joint => "joint",
+            Self::Stochastic => "stochastic",
+            Self::Process => "process",
         }
     }
 
-    fn text(self) -> &'static str {
+    /// The shipped task of this kind: its folder, its name and its text.
+    fn shipped(self) -> (&'static str, &'static str, &'static str) {
+        macro_rules! shipped {
+            ($folder:literal, $name:literal) => {
+                ($folder, $name, include_str!(concat!("../../../../", $folder, "/", $name, ".toml")))
+            };
+        }
         match self {
-            Self::Reach => include_str!("../../../../tasks/reach.toml"),
-            Self::ViaPoint => include_str!("../../../../tasks/via_point.toml"),
-            Self::Cantilever => include_str!("../../../../tasks/cantilever.toml"),
-            Self::CantileverMovingLoad => include_str!("../../../../tasks/cantilever_moving_load.toml"),
-            Self::Wall => include_str!("../../../../tasks/wall.toml"),
-            Self::Joint => include_str!("../../../../tasks/joint.toml"),
+            Self::Reach => shipped!("tasks", "reach"),
+            Self::ViaPoint => shipped!("tasks", "via_point"),
+            Self::Cantilever => shipped!("tasks", "cantilever"),
+            Self::CantileverMovingLoad => shipped!("tasks", "cantilever_moving_load"),
+            Self::Wall => shipped!("tasks", "wall"),
+            Self::Joint => shipped!("tasks", "joint"),
+            Self::Stochastic => shipped!("tasks", "via_point_stochastic"),
+            Self::Process => shipped!("examples/process", "point_mass"),
         }
     }
 }
@@ -55,22 +74,49 @@ impl Kind {
 pub fn init(options: &Init, common: &Common) -> Result<Outcome, Failure> {
     let kind = options.kind;
     let default = PathBuf::from(kind.name()).with_added_extension("toml");
-    let text = named_after(common.out.as_deref().unwrap_or(&default), kind);
+    let target = common.out.as_deref().unwrap_or(&default);
+    let mut text = named_after(target, kind);
+    let program = match kind {
+        Kind::Process => Some(program_beside(target, common.force)?),
+        _ => None,
+    };
+    if let Some(program) = &program {
+        let named = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let command = Value::from(program.display().to_string()).to_string();
+        text = text.replace(" point_mass.py", &format!(" {}", named(program)));
+        text = text.replace(&format!("{:?}", PROGRAM.0), &command);
+    }
     deliver(common, Some(&default), text.as_bytes(), |file| {
-        Some((
-            format!("{}: a task of kind {}\n\nnext: hpf learn {0}\n", file.display(), kind.name()),
-            json!({ "format": "hpf-init", "version": 1, "kind": kind.name(), "file": file.display().to_string() }),
-        ))
+        let file = file.display().to_string();
+        let mut object = json!({ "format": "hpf-init", "version": 1, "kind": kind.name(), "file": &file });
+        let mut made = format!("{file}: a task of kind {}\n", kind.name());
+        if let Some(program) = program {
+            object["program"] = json!(program);
+            made += &format!("{}: the program that makes its rollouts\n", program.display());
+        }
+        Some((format!("{made}\nnext: hpf learn {file}\n"), object))
     })
+}
+
+/// Writes the program of the task `target` beside it, where both may be written.
+fn program_beside(target: &Path, force: bool) -> Result<PathBuf, Failure> {
+    let program = target.with_extension("py");
+    if target == Path::new("-") || program == target {
+        let what = "a task of kind process is two files: name NAME.toml with --out, and NAME.py is written beside it";
+        return Err(Failure::Input(what.into()));
+    }
+    refuse_occupied(target, force)?;
+    place(&program, PROGRAM.1.as_bytes(), force)?;
+    Ok(program)
 }
 
 /// The text of `kind`, its task named after the file `target`, so that its runs do not stand in the way of others.
 fn named_after(target: &Path, kind: Kind) -> String {
+    let (folder, shipped, text) = kind.shipped();
     let name = target.file_stem().and_then(|stem| stem.to_str()).filter(|name| is_plain(name)).unwrap_or(kind.name());
     let place = if target == Path::new("-") { PathBuf::from("TASK") } else { target.to_owned() };
-    kind.text()
-        .replace(&format!("\nname = \"{}\"", kind.name()), &format!("\nname = \"{name}\""))
-        .replace(&format!("hpf learn tasks/{}.toml", kind.name()), &format!("hpf learn {}", place.display()))
+    text.replace(&format!("\nname = \"{shipped}\""), &format!("\nname = \"{name}\""))
+        .replace(&format!("hpf learn {folder}/{shipped}.toml"), &format!("hpf learn {}", place.display()))
 }
 
 /// Whether a task may have this name and needs no quotes anywhere.
