@@ -12,6 +12,7 @@ mod rules;
 mod sizes;
 
 use core::ops::Range;
+use std::collections::HashSet;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -385,13 +386,11 @@ impl Task {
         match toml::from_str::<Self>(text) {
             Ok(task) => {
                 // A number that is wrong by itself need not be wrong with others too.
-                let told: Vec<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
+                let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
+                let before = found.len();
                 rules::check(&task, &document, &mut found);
-                let mut index = 0;
-                found.retain(|diagnostic| {
-                    index += 1;
-                    index <= told.len() || !told.contains(&diagnostic.span)
-                });
+                let more = found.split_off(before);
+                found.extend(more.into_iter().filter(|diagnostic| !told.contains(&diagnostic.span)));
                 if found.is_empty() {
                     return Ok(task);
                 }

@@ -118,7 +118,9 @@ fn a_value_of_the_wrong_type_says_what_it_is_and_what_it_must_be() {
     one(VIA_POINT, ("duration = 5.0", "duration = [5.0]"), "[5.0]", "`duration` cannot be an array", number);
     one(VIA_POINT, ("duration = 5.0", "duration = true"), "true", "`duration` cannot be true or false", number);
     one(VIA_POINT, ("duration = 5.0", "duration = 05:00:00"), "05:00:00", "`duration` cannot be a date", number);
-    let whole = "`basis` must be a whole number from 2 to 1000 or a table";
+    let family = "{ family = \"phase\" or \"time\", count = ... }";
+    let whole = &format!("`basis` must be a whole number from 2 to 1000 or a table {family}");
+    one(VIA_POINT, ("basis = 20", "basis = \"time\""), "\"time\"", "`basis` cannot be a text", whole);
     one(VIA_POINT, ("basis = 20", "basis = 20.0"), "20.0", "`basis` cannot have a decimal point", whole);
     let per_axis = "`alpha` must be a number or an array of numbers";
     one(VIA_POINT, ("alpha = 25.0", "alpha = \"25\""), "\"25\"", "`alpha` cannot be a text", per_axis);

@@ -15,6 +15,9 @@ use super::Diagnostic;
 /// A bracket left open is missed at every word after it: more errors of syntax than this say nothing new.
 const MOST_SYNTAX_ERRORS: usize = 3;
 
+/// A table of more keys is not told by its keys: the key that is wrong in it will be.
+const MOST_KEYS: usize = 4;
+
 /// A parsed task file: values with their places.
 pub(super) struct Document<'a> {
     root: Spanned<DeTable<'a>>,
@@ -129,7 +132,7 @@ impl<'s> Walk<'s> {
                 DeValue::Float(_) if whole => format!("`{key}` cannot have a decimal point"),
                 other => format!("`{key}` cannot be {}", noun(other)),
             };
-            return self.say(span, message, format!("`{key}` must be {}", describe_all(&alternatives, key)));
+            return self.say(span, message, format!("`{key}` must be {}", self.describe_all(&alternatives, key)));
         };
         match value.get_ref() {
             DeValue::Table(table) => self.table(schema, table, span, key),
@@ -142,7 +145,7 @@ impl<'s> Walk<'s> {
                 match value.ok().filter(|value| (i64::MIN.into()..=u64::MAX.into()).contains(value)) {
                     Some(value) => self.number(schema, value as f64, &number.to_string(), span, key),
                     None => {
-                        let help = format!("`{key}` must be {} that fits in 64 bits", describe(schema));
+                        let help = format!("`{key}` must be {} that fits in 64 bits", self.describe(schema));
                         self.say(span, format!("`{key}` is out of range: {number}"), help);
                     }
                 }
@@ -188,7 +191,7 @@ impl<'s> Walk<'s> {
         match (tables.as_slice(), given.as_slice()) {
             ([], _) => {
                 let message = format!("`{key}` cannot be a table");
-                self.say(span, message, format!("`{key}` must be {}", describe_all(alternatives, key)));
+                self.say(span, message, format!("`{key}` must be {}", self.describe_all(alternatives, key)));
             }
             ([schema], _) => self.table(schema, table, span, key),
             (_, []) if table.is_empty() => self.say(span, format!("{key} is empty"), help),
@@ -207,7 +210,7 @@ impl<'s> Walk<'s> {
 
     fn table(&mut self, schema: &'s Schema, table: &DeTable<'_>, span: Range<usize>, key: &str) {
         let properties = &schema["properties"];
-        let known: Vec<&str> = properties.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+        let known: Vec<&str> = known(schema).collect();
         let mut misspelt = Vec::new();
         for (name, value) in table {
             match properties.get(name.get_ref().as_ref()) {
@@ -223,7 +226,7 @@ impl<'s> Walk<'s> {
             // A key that is there under a wrong name is one mistake, not two.
             if !misspelt.contains(&name) && !table.iter().any(|(key, _)| key.get_ref() == name) {
                 let wanted = self.alternatives(&properties[name]);
-                let help = format!("add `{name}`, {}", describe_all(&wanted, name));
+                let help = format!("add `{name}`, {}", self.describe_all(&wanted, name));
                 self.say(span.clone(), format!("{key} has no `{name}`"), help);
             }
         }
@@ -243,7 +246,7 @@ impl<'s> Walk<'s> {
             return self.say(
                 span,
                 format!("`{key}` is not a finite number"),
-                format!("`{key}` must be {}", describe(schema)),
+                format!("`{key}` must be {}", self.describe(schema)),
             );
         }
         let bound = |name: &str| schema[name].as_f64();
@@ -252,13 +255,91 @@ impl<'s> Walk<'s> {
             || bound("maximum").is_some_and(|max| value > max)
             || bound("exclusiveMaximum").is_some_and(|max| value >= max);
         if outside {
-            self.say(span, format!("`{key}` is out of range: {text}"), format!("`{key}` must be {}", describe(schema)));
+            self.say(span, format!("`{key}` is out of range: {text}"), format!("`{key}` must be {}", self.describe(schema)));
         }
+    }
+
+    /// A schema in words, such as "a number above 0".
+    fn describe(&self, schema: &'s Schema) -> String {
+        let names = names(schema);
+        if !names.is_empty() {
+            return any_of(&names);
+        }
+        let kind = match &schema["type"] {
+            Schema::Array(kinds) => kinds.first().and_then(Schema::as_str),
+            kind => kind.as_str(),
+        };
+        let mut text = match kind {
+            Some("integer") => "a whole number",
+            Some("number") => "a number",
+            Some("string") => "a text in quotes",
+            Some("boolean") => "true or false",
+            Some("array") => "an array",
+            _ => "a table",
+        }
+        .to_owned();
+        if kind == Some("array") {
+            match schema["items"]["type"].as_str() {
+                Some("number" | "integer") => text += " of numbers",
+                _ if schema["items"]["$ref"].is_string() => text += " of tables",
+                _ => {}
+            }
+        }
+        if kind == Some("object") {
+            text += &self.shape(schema);
+        }
+        let bound = |name: &str| schema[name].as_f64();
+        let (min, max) = (bound("minimum"), bound("maximum"));
+        let _ = match (min, bound("exclusiveMinimum"), max, bound("exclusiveMaximum")) {
+            (Some(min), _, Some(max), _) => write!(text, " from {min} to {max}"),
+            (Some(min), ..) => write!(text, " of at least {min}"),
+            (_, Some(min), Some(max), _) => write!(text, " above {min} and at most {max}"),
+            (_, Some(min), _, Some(max)) => write!(text, " above {min} and below {max}"),
+            (_, Some(min), ..) => write!(text, " above {min}"),
+            _ => Ok(()),
+        };
+        text
+    }
+
+    /// The keys that a table must have, or where it needs none and has few, those it may have.
+    fn shape(&self, schema: &'s Schema) -> String {
+        let mut keys: Vec<&str> = required(schema).collect();
+        if keys.is_empty() {
+            keys.extend(known(schema));
+        }
+        if keys.len() > MOST_KEYS {
+            return String::new();
+        }
+        let key = |key: &&str| {
+            let values = self.alternatives(&schema["properties"][key]);
+            let names: Vec<&str> = values.iter().flat_map(|schema| names(schema)).collect();
+            format!("{key} = {}", if names.is_empty() { "...".into() } else { any_of(&names) })
+        };
+        format!(" {{ {} }}", keys.iter().map(key).collect::<Vec<_>>().join(", "))
+    }
+
+    /// The values that `key` takes, in words.
+    fn describe_all(&self, schemas: &[&'s Schema], key: &str) -> String {
+        let mut text = schemas.iter().map(|schema| self.describe(schema)).collect::<Vec<_>>().join(" or ");
+        if schemas.iter().any(|schema| schema["items"]["$ref"].is_string()) {
+            let _ = write!(text, ", each under [[{key}]]");
+        }
+        text
     }
 }
 
 fn required(schema: &Schema) -> impl Iterator<Item = &str> {
     schema["required"].as_array().into_iter().flatten().filter_map(Schema::as_str)
+}
+
+/// The keys of a table.
+fn known(schema: &Schema) -> impl Iterator<Item = &str> {
+    schema["properties"].as_object().into_iter().flatten().map(|(name, _)| name.as_str())
+}
+
+/// Words of which one is allowed, as they stand in a file.
+fn any_of(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ")
 }
 
 /// The words a string schema allows.
@@ -293,58 +374,6 @@ fn noun(value: &DeValue<'_>) -> &'static str {
         DeValue::Table(_) => "a table",
         DeValue::Datetime(_) => "a date",
     }
-}
-
-/// A schema in words, such as "a number above 0".
-fn describe(schema: &Schema) -> String {
-    let names = names(schema);
-    if !names.is_empty() {
-        return names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ");
-    }
-    let kind = match &schema["type"] {
-        Schema::Array(kinds) => kinds.first().and_then(Schema::as_str),
-        kind => kind.as_str(),
-    };
-    let mut text = match kind {
-        Some("integer") => "a whole number",
-        Some("number") => "a number",
-        Some("string") => "a text in quotes",
-        Some("boolean") => "true or false",
-        Some("array") => "an array",
-        _ => "a table",
-    }
-    .to_owned();
-    if kind == Some("array") {
-        match schema["items"]["type"].as_str() {
-            Some("number" | "integer") => text += " of numbers",
-            _ if schema["items"]["$ref"].is_string() => text += " of tables",
-            _ => {}
-        }
-    }
-    if kind == Some("object") && schema["required"].is_array() {
-        let keys: Vec<String> = required(schema).map(|key| format!("{key} = ...")).collect();
-        let _ = write!(text, " {{ {} }}", keys.join(", "));
-    }
-    let bound = |name: &str| schema[name].as_f64();
-    let (min, max) = (bound("minimum"), bound("maximum"));
-    let _ = match (min, bound("exclusiveMinimum"), max, bound("exclusiveMaximum")) {
-        (Some(min), _, Some(max), _) => write!(text, " from {min} to {max}"),
-        (Some(min), ..) => write!(text, " of at least {min}"),
-        (_, Some(min), Some(max), _) => write!(text, " above {min} and at most {max}"),
-        (_, Some(min), _, Some(max)) => write!(text, " above {min} and below {max}"),
-        (_, Some(min), ..) => write!(text, " above {min}"),
-        _ => Ok(()),
-    };
-    text
-}
-
-/// The values that `key` takes, in words.
-fn describe_all(schemas: &[&Schema], key: &str) -> String {
-    let mut text = schemas.iter().map(|schema| describe(schema)).collect::<Vec<_>>().join(" or ");
-    if schemas.iter().any(|schema| schema["items"]["$ref"].is_string()) {
-        let _ = write!(text, ", each under [[{key}]]");
-    }
-    text
 }
 
 /// "unknown key `x`", with the nearest known name where one is near.

@@ -1,6 +1,7 @@
 //! What must hold between the keys of a task file, beyond the type and range of each.
 
 use core::fmt::Display;
+use std::collections::HashSet;
 
 use super::keys::{Document, unknown};
 use super::learning::PRIMITIVES;
@@ -292,6 +293,7 @@ impl Rules<'_, '_, '_> {
     fn learned(&mut self) {
         let task = self.task;
         let axes: Vec<&str> = task.axis.iter().map(|axis| axis.name.as_str()).collect();
+        let mut named = HashSet::new();
         for (i, part) in task.learning.learn.iter().enumerate() {
             let (axis, primitive) = part.split_once('.').map_or((None, part.as_str()), |(a, p)| (Some(a), p));
             let path = format!("learning.learn.{i}");
@@ -300,7 +302,7 @@ impl Rules<'_, '_, '_> {
             } else if !PRIMITIVES.contains(&primitive) {
                 let help = format!("one of: {}; of one axis: {}.{}", PRIMITIVES.join(", "), axes[0], PRIMITIVES[0]);
                 self.say(&path, unknown("part", primitive, &PRIMITIVES), help);
-            } else if task.learning.learn[..i].contains(part) {
+            } else if !named.insert(part) {
                 self.say(&path, format!("`{part}` is named twice"), "name each part once");
             }
         }
@@ -447,8 +449,9 @@ impl Rules<'_, '_, '_> {
             );
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }
+        let mut kept = HashSet::new();
         for (i, &update) in self.task.output.snapshots.iter().enumerate() {
-            if self.task.output.snapshots[..i].contains(&update) {
+            if !kept.insert(update) {
                 self.say(
                     &format!("output.snapshots.{i}"),
                     format!("update {update} is kept twice"),
