@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
-use super::motions::{Length, motions};
+use super::motions::{Length, by_update, motions};
 use super::palette::{BLACK, GREEN, Pen, VERMILLION};
 use crate::results::Run;
 
@@ -56,5 +56,5 @@ pub fn path(run: &Run) -> Figure {
     }
     layers.push(Layer::marks(Mark::Dot, shown(vec![goal]), Pen::thin(VERMILLION)).labelled("goal"));
     let panel = Panel { heading: String::new(), note: String::new(), x, y, layers };
-    Figure { equal: true, ..Figure::new("Tool path in the plane, by update", vec![panel]) }
+    Figure { equal: true, ..Figure::new(format!("Tool path in the plane{}", by_update(run)), vec![panel]) }
 }

@@ -6,7 +6,7 @@ use hpf_sim::task::Unit;
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
-use super::motions::{Length, motions};
+use super::motions::{Length, by_update, motions};
 use super::palette::{BLUE, GREEN, GREY, Pen, SHADE, VERMILLION, tint};
 use crate::results::Run;
 
@@ -120,5 +120,5 @@ pub fn position(run: &Run) -> Figure {
             layers,
         }
     });
-    Figure::new(format!("Tool position{} over time, by update", axis_phrase(run)), panels.collect())
+    Figure::new(format!("Tool position{} over time{}", axis_phrase(run), by_update(run)), panels.collect())
 }
