@@ -91,9 +91,9 @@ pub fn figures(run: &Run) -> Vec<Drawing<'_>> {
     figures
 }
 
-/// Whether disturbances are to be shown: they are all the force there is, or come on top of a contact.
+/// Whether there are disturbances to show.
 fn is_disturbed(run: &Run) -> bool {
-    run.task.contact.is_none() || !run.task.disturbance.is_empty()
+    !run.task.disturbance.is_empty()
 }
 
 /// Whether the tool moves in a plane that can be shown as it is.

@@ -49,7 +49,7 @@ struct Kept<'l> {
 
 impl Kept<'_> {
     fn take(&mut self, progress: &Progress) -> &LearningRow {
-        if self.task.output.snapshots.contains(&progress.update) {
+        if self.task.snapshots().contains(&progress.update) {
             self.snapshots.push((progress.update, self.simulation.rollout(&progress.weights)));
         }
         self.rows.push(LearningRow::from(progress));

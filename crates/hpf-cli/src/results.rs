@@ -299,7 +299,7 @@ impl Run {
         let path = directory.join("trajectory.csv");
         let trajectory = read_trajectory(&task, &read_text(&path)?).map_err(in_file(&path))?;
         let mut snapshots = Vec::new();
-        for &update in &task.output.snapshots {
+        for &update in task.snapshots() {
             let path = directory.join("snapshots").join(format!("{update}.csv"));
             // A run that stopped early has not reached its later snapshots.
             if path.exists() {

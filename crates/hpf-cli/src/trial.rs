@@ -78,7 +78,7 @@ pub fn learn(loaded: &LoadedTask) -> Result<Trial, Broken> {
     let (mut rows, mut snapshots) = (Vec::new(), Vec::new());
     let observe = |progress: &Progress| {
         rows.push(LearningRow::from(progress));
-        if task.output.snapshots.contains(&progress.update) {
+        if task.snapshots().contains(&progress.update) {
             snapshots.push((progress.update, simulation.rollout(&progress.weights)));
         }
         !interrupt::is_asked()

@@ -25,7 +25,7 @@ pub use policy::{
     AdmittancePolicy, AxisPolicy, Family, GainPolicy, MAX_POLICY_BYTES, MovementPolicy, Policy, PolicyBasis,
     PolicyError, Provenance,
 };
-pub use simulation::{Simulation, SimulationError, Workspace};
+pub use simulation::{Simulation, SimulationError, Workspace, disturbances};
 pub use start::StartError;
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

@@ -31,6 +31,7 @@ use crate::cost::{CostModel, Term};
 use crate::policy::Policy;
 use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
+pub use circumstances::disturbances;
 use circumstances::{Circumstances, Met, Set};
 use inertial::{FreeInertial, TouchingInertial};
 use measured::{Measured, Robot};

@@ -286,9 +286,9 @@ pub struct CostWeights {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Output {
-    /// Updates whose trajectory is kept and drawn.
+    /// Updates whose trajectory is kept and drawn. Left out: the start, or nothing where a process makes the motions.
     #[schemars(length(max = 100))]
-    pub snapshots: Vec<usize>,
+    pub snapshots: Option<Vec<usize>>,
 }
 
 /// Targets: the largest values that pass. `learn` and `run` exit with 3 on a miss. Where something is drawn, the worst of
@@ -422,6 +422,15 @@ impl Task {
     /// Motions of one rollout in learning: its draws, one where nothing is drawn.
     pub fn draws(&self) -> usize {
         if self.is_random() { self.learning.draws } else { 1 }
+    }
+
+    /// Updates whose trajectory is kept: the start, where the task names none and its motions are simulated.
+    pub fn snapshots(&self) -> &[usize] {
+        match &self.output.snapshots {
+            Some(named) => named,
+            None if self.environment.is_none() => &[0],
+            None => &[],
+        }
     }
 
     /// Motions that the measures of a policy are taken over, one where nothing is drawn.

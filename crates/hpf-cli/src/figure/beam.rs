@@ -4,7 +4,7 @@ use hpf_sim::environment::{Cantilever, cantilever::Curve};
 
 use super::axis::{Axis, Scale, padded};
 use super::chart::{Figure, Layer, Panel, Point};
-use super::motions::motions;
+use super::motions::{by_update, motions};
 use super::number::short;
 use super::palette::{BLUE, GREY, Pen, SHADE, SKY, VERMILLION, tint};
 use crate::results::Run;
@@ -82,5 +82,8 @@ pub fn path(run: &Run, beam: &Cantilever, axis: usize) -> Figure {
         depths.extend(depth);
     }
     let quantity = format!("{} downwards", run.task.axis[axis].name);
-    Figure::new("Tool path along the beam, by update", vec![panel(beam, &quantity, padded(depths), layers)])
+    Figure::new(
+        format!("Tool path along the beam{}", by_update(run)),
+        vec![panel(beam, &quantity, padded(depths), layers)],
+    )
 }

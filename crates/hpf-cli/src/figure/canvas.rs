@@ -163,15 +163,18 @@ pub fn draw_mark(surface: &mut dyn Surface, mark: Mark, place: Point, pen: Pen) 
     }
 }
 
-/// The same line in at most four points per column of pixels: first, last, lowest and highest.
+/// The same line in at most six points per column of pixels: first, last, and the outermost of each side.
 fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     let mut column: Vec<Point> = Vec::new();
     let mut flush = |column: &mut Vec<Point>| {
-        let extreme = |sign: f64| {
-            (0..column.len()).max_by(|a, b| (sign * column[*a].1).total_cmp(&(sign * column[*b].1))).unwrap_or(0)
+        let outermost = |across: f64, down: f64| {
+            let reach = |i: usize| across * column[i].0 + down * column[i].1;
+            (0..column.len()).max_by(|a, b| reach(*a).total_cmp(&reach(*b))).unwrap_or(0)
         };
-        let mut picks = [0, extreme(1.0), extreme(-1.0), column.len().saturating_sub(1)];
+        let [left, right] = [-1.0, 1.0].map(|sign| outermost(sign, 0.0));
+        let [top, bottom] = [-1.0, 1.0].map(|sign| outermost(0.0, sign));
+        let mut picks = [0, left, right, top, bottom, column.len().saturating_sub(1)];
         picks.sort_unstable();
         let mut before = None;
         for pick in picks.into_iter().filter(|pick| before.replace(*pick) != Some(*pick)) {
@@ -199,6 +202,8 @@ mod tests {
         let kept = thinned(dense);
         assert!(kept.len() <= 4 && kept[0].0 == 0.0 && kept[kept.len() - 1].0 == 0.999);
         assert!(kept.iter().any(|point| point.1 == 9.0));
+        let turn: Vec<Point> = (-3..=3).map(|i| (0.1 * f64::from(i * i), f64::from(i))).collect();
+        assert!(thinned(turn.iter().copied()).contains(&(0.0, 0.0)), "a turn within a column stays round");
         let sparse: Vec<Point> = (0..10).map(|i| (f64::from(i) * 3.0, 1.0)).collect();
         assert_eq!(thinned(sparse.iter().copied()), sparse);
     }

@@ -39,6 +39,11 @@ pub fn motions(run: &Run) -> Vec<Motion<'_>> {
     motions
 }
 
+/// What a title says of motions that are drawn beside the learned one.
+pub fn by_update(run: &Run) -> &'static str {
+    if motions(run).len() > 1 { ", by update" } else { "" }
+}
+
 /// The motion before learning, where it was kept.
 pub fn initial(run: &Run) -> Option<&Trace> {
     run.snapshots.iter().find(|(update, _)| *update == 0).map(|(_, trace)| trace)

@@ -2,9 +2,12 @@
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
-use super::motions::{Length, motions};
+use super::motions::{Length, by_update, motions};
 use super::palette::{BLACK, GREEN, Pen, VERMILLION};
 use crate::results::Run;
+
+/// Corners of a circle.
+const CORNERS: u32 = 90;
 
 /// Draws the path of every motion in the plane.
 pub fn path(run: &Run) -> Figure {
@@ -39,10 +42,19 @@ pub fn path(run: &Run) -> Figure {
         .collect();
     layers.push(Layer::line(shown(reference), Pen::dashed(VERMILLION)).labelled("learned reference"));
     layers.push(Layer::marks(Mark::Ring, shown(vec![start]), Pen::thin(BLACK)).labelled("start"));
+    for via in &task.via_point {
+        let radius = via.radius.unwrap_or(0.0);
+        if radius > 0.0 {
+            let around = |i: u32| 2.0 * core::f64::consts::PI * f64::from(i) / f64::from(CORNERS);
+            let rim = |angle: f64| (via.position[0] + radius * angle.cos(), via.position[1] + radius * angle.sin());
+            let disc = (0..=CORNERS).map(|i| rim(around(i))).collect();
+            layers.push(Layer::line(shown(disc), Pen::thin(GREEN)).labelled("near enough"));
+        }
+    }
     if !via.is_empty() {
         layers.push(Layer::marks(Mark::Dot, shown(via), Pen::thin(GREEN)).labelled("via point"));
     }
     layers.push(Layer::marks(Mark::Dot, shown(vec![goal]), Pen::thin(VERMILLION)).labelled("goal"));
     let panel = Panel { heading: String::new(), note: String::new(), x, y, layers };
-    Figure { equal: true, ..Figure::new("Tool path in the plane, by update", vec![panel]) }
+    Figure { equal: true, ..Figure::new(format!("Tool path in the plane{}", by_update(run)), vec![panel]) }
 }

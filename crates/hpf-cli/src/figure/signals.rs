@@ -1,14 +1,17 @@
 //! Signals of every axis over time, one panel per axis: positions, and forces.
 
 use hpf_sim::environment::disturbance::Side;
-use hpf_sim::environment::{Contact, wall};
+use hpf_sim::environment::{Contact, Disturbance, wall};
 use hpf_sim::task::Unit;
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
-use super::motions::{Length, motions};
-use super::palette::{BLUE, GREEN, Pen, SHADE, VERMILLION};
+use super::motions::{Length, by_update, motions};
+use super::palette::{BLUE, GREEN, GREY, Pen, SHADE, VERMILLION, tint};
 use crate::results::Run;
+
+/// Most draws of a disturbance in one figure.
+const MOST_DRAWS: usize = 20;
 
 /// The time axis of a run.
 pub fn time_axis(run: &Run) -> Axis {
@@ -28,23 +31,43 @@ pub fn axis_phrase(run: &Run) -> String {
     }
 }
 
-/// Draws the disturbances: without a contact, all the force that the admittance sees.
+/// The sum of those of `disturbances` that act on axis `i`, over the time of `run`.
+pub fn force_over_time(run: &Run, disturbances: &[Disturbance], i: usize) -> Vec<Point> {
+    let at = |time, side| {
+        let acting = disturbances.iter().filter(|disturbance| disturbance.axis() == run.task.axis[i].name);
+        (time, acting.map(|disturbance| disturbance.force(time, side)).sum::<f64>())
+    };
+    // Both sides of every instant, so that a jump is upright.
+    run.trajectory.time.iter().flat_map(|time| [at(*time, Side::Before), at(*time, Side::After)]).collect()
+}
+
+/// Draws the disturbances; where they are drawn, those of some motions that the policy is measured by.
 pub fn disturbance(run: &Run) -> Figure {
+    let mut met = hpf_sim::disturbances(&run.task);
+    met.dedup();
     let panels = run.task.axis.iter().enumerate().map(|(i, axis)| {
         let (quantity, unit) = if axis.unit == Unit::M { ("force", "N") } else { ("torque", "N m") };
-        // Both sides of every instant, so that a jump is upright.
-        let force = |time, side| {
-            let acting = run.task.disturbance.iter().filter(|disturbance| disturbance.axis() == axis.name);
-            (time, acting.map(|disturbance| disturbance.force(time, side)).sum::<f64>())
-        };
-        let both = |time: &f64| [force(*time, Side::Before), force(*time, Side::After)];
-        let points: Vec<Point> = run.trajectory.time.iter().flat_map(both).collect();
+        let forces = met.iter().take(MOST_DRAWS).map(|met| force_over_time(run, met, i));
+        let mut lines: Vec<Layer> = forces.map(|force| Layer::line(force, Pen::thin(tint(GREY, 0.6)))).collect();
+        lines.reverse();
+        let others = lines.len().saturating_sub(1);
+        if let [.., shown] = &mut lines[..] {
+            shown.pen = Pen::strong(BLUE);
+        }
+        if let [.., other, shown] = &mut lines[..] {
+            other.label = Some(format!("the next {others} of {} draws", met.len()));
+            shown.label = Some("first draw, that of the other figures".into());
+        }
         Panel {
             heading: axis_heading(run, i),
             note: String::new(),
             x: time_axis(run),
-            y: Axis::linear(quantity, unit, padded(points.iter().map(|point| point.1).chain([0.0]))),
-            layers: vec![Layer::line(points, Pen::strong(BLUE))],
+            y: Axis::linear(
+                quantity,
+                unit,
+                padded(lines.iter().flat_map(Layer::points).map(|point| point.1).chain([0.0])),
+            ),
+            layers: lines,
         }
     });
     let what = if run.task.axis.iter().all(|axis| axis.unit == Unit::M) { "force" } else { "force or torque" };
@@ -97,5 +120,5 @@ pub fn position(run: &Run) -> Figure {
             layers,
         }
     });
-    Figure::new(format!("Tool position{} over time, by update", axis_phrase(run)), panels.collect())
+    Figure::new(format!("Tool position{} over time{}", axis_phrase(run), by_update(run)), panels.collect())
 }

@@ -9,6 +9,9 @@ const BEAM: &str = "[contact]\nkind = \"cantilever\"\naxis = \"y\"\nlength = 0.8
     youngs_modulus = 200e9\nforce = 10.0\n";
 const WALL: &str = "[contact]\nkind = \"wall\"\naxis = \"y\"\nposition = 0.02\nstiffness = 1e4\nforce = 5.0\n";
 
+const PUSH: &str =
+    "[[disturbance]]\nkind = \"sine\"\naxis = \"x\"\namplitude = { uniform = [-9.0, 9.0] }\nperiod = 1.0\n";
+
 fn axis(name: &str, unit: &str) -> String {
     format!("[[axis]]\nname = \"{name}\"\nunit = \"{unit}\"\nstart = 0.0\ngoal = 0.032\n")
 }
@@ -41,7 +44,11 @@ fn runs() -> Vec<Run> {
     imitated.demonstrations = vec![imitated.trajectory.axes.iter().map(|axis| axis.position.clone()).collect(); 2];
     vec![
         run("reach", core::slice::from_ref(&x), ""),
-        run("plane", &[x.clone(), y.clone()], "[[via_point]]\ntime = 0.5\nposition = [0.01, 0.02]\n"),
+        run(
+            "plane",
+            &[x.clone(), y.clone()],
+            &format!("{PUSH}[[via_point]]\nradius = 0.001\nposition = [0.01, 0.02]\n"),
+        ),
         run("mixed", &[x.clone(), turn], ""),
         run("seven", &seven, ""),
         run("beam", core::slice::from_ref(&y), BEAM),
@@ -55,12 +62,24 @@ fn runs() -> Vec<Run> {
 fn the_kind_of_task_decides_which_figures_there_are() {
     let names = |run: &Run| figures(run).into_iter().map(|drawing| drawing.name).collect::<Vec<_>>().join(" ");
     let found: Vec<String> = runs().iter().map(names).collect();
-    let free = "cost stiffness damping disturbance path";
-    assert_eq!(found[..4], [free; 4]);
+    let free = "cost stiffness damping path";
+    assert_eq!([&found[0], &found[2], &found[3]], [free; 3]);
+    assert_eq!(found[1], "cost stiffness damping disturbance path");
     assert_eq!(found[4], "cost stiffness damping beam path deviation contact_force");
     assert_eq!(found[5], "cost stiffness damping beam path position deviation contact_force");
     assert_eq!(found[6], "cost stiffness damping path deviation contact_force");
     assert_eq!(found[7], format!("{free} demonstration"));
+}
+
+#[test]
+fn the_disturbance_that_stands_out_is_that_of_the_motion_shown() {
+    let run = &runs()[1];
+    let figure = signals::disturbance(run);
+    let [.., shown] = &figure.panels[0].layers[..] else { panic!("no line") };
+    assert_eq!(figure.panels[0].layers.len(), 20, "a few of the 100 draws");
+    let after: Vec<f64> = shown.points().iter().skip(1).step_by(2).map(|point| point.1).collect();
+    assert_eq!(after, run.trajectory.axes[0].force);
+    assert!(after.iter().any(|force| *force != 0.0));
 }
 
 #[test]

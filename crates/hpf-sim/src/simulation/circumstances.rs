@@ -83,21 +83,42 @@ fn spread_shares(generator: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     shares
 }
 
+/// The shares of each drawn number of `task` in each of `count` motions of `set`: of disturbances, then of the sensor.
+fn shares(task: &Task, set: Set, count: usize) -> Vec<Vec<f64>> {
+    let biases = task.axis.iter().filter_map(|_| task.sensor.as_ref().map(|sensor| &sensor.bias));
+    let numbers = task.disturbance.iter().flat_map(|disturbance| disturbance.quantities().into_iter().map(|q| q.1));
+    let is_drawn = |number: &&Quantity| !number.is_fixed();
+    let drawn = numbers.chain(biases).filter(is_drawn).count() as u64;
+    (0..drawn).map(|index| spread_shares(&mut stream(task.learning.seed, set, index), count)).collect()
+}
+
+/// `number` as the next of `shares` draws it.
+fn quantile(number: &Quantity, shares: &mut impl Iterator<Item = f64>) -> f64 {
+    number.quantile(shares.next().expect("a share for every drawn number"))
+}
+
+/// The disturbances of the motion that `shares` are of.
+fn acting(task: &Task, shares: &mut impl Iterator<Item = f64>) -> Vec<Disturbance> {
+    task.disturbance.iter().map(|disturbance| disturbance.drawn(&mut |number| quantile(number, shares))).collect()
+}
+
+/// The disturbances of each motion that policies of `task` are measured by. Traces are those of the first.
+pub fn disturbances(task: &Task) -> Vec<Vec<Disturbance>> {
+    let count = task.evaluation_draws();
+    let shares = shares(task, Set::Evaluation, count);
+    (0..count).map(|draw| acting(task, &mut shares.iter().map(|shares| shares[draw]))).collect()
+}
+
 impl Circumstances {
     /// Those of each of `count` motions of `set`; made one by one, as a long movement's fill memory.
     pub(crate) fn of_set(task: &Task, set: Set, count: usize) -> impl Iterator<Item = Self> {
-        let biases = task.axis.iter().filter_map(|_| task.sensor.as_ref().map(|sensor| &sensor.bias));
-        let numbers = task.disturbance.iter().flat_map(|disturbance| disturbance.quantities().into_iter().map(|q| q.1));
-        let is_drawn = |number: &&Quantity| !number.is_fixed();
-        let drawn = numbers.chain(biases).filter(is_drawn).count() as u64;
-        let shares: Vec<Vec<f64>> =
-            (0..drawn).map(|index| spread_shares(&mut stream(task.learning.seed, set, index), count)).collect();
-        (0..count).map(move |draw| Self::of_draw(task, set, draw, shares.iter().map(|shares| shares[draw])))
+        let shares = shares(task, set, count);
+        (0..count).map(move |draw| Self::of_draw(task, set, draw, &mut shares.iter().map(|shares| shares[draw])))
     }
 
-    fn of_draw(task: &Task, set: Set, draw: usize, mut shares: impl Iterator<Item = f64>) -> Self {
-        let mut next = |number: &Quantity| number.quantile(shares.next().expect("a share for every drawn number"));
-        let acting: Vec<Disturbance> = task.disturbance.iter().map(|d| d.drawn(&mut next)).collect();
+    fn of_draw(task: &Task, set: Set, draw: usize, shares: &mut impl Iterator<Item = f64>) -> Self {
+        let acting = acting(task, shares);
+        let mut next = |number: &Quantity| quantile(number, shares);
         let steps = task.steps();
         let time = |i: usize| i as f64 * (task.duration / steps as f64);
         let axes = task.axis.iter().enumerate().map(|(a, axis)| {

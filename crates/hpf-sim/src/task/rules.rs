@@ -418,7 +418,7 @@ impl Rules<'_, '_, '_> {
             ("contact", task.contact.is_some()),
             ("sensor", task.sensor.is_some()),
             ("actuator", task.actuator.is_some()),
-            ("output.snapshots", !task.output.snapshots.is_empty()),
+            ("output.snapshots", !task.snapshots().is_empty()),
         ] {
             if given {
                 let help = "the process is the environment: leave it out, or leave out [environment]";
@@ -450,7 +450,7 @@ impl Rules<'_, '_, '_> {
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
         }
         let mut kept = HashSet::new();
-        for (i, &update) in self.task.output.snapshots.iter().enumerate() {
+        for (i, &update) in self.task.snapshots().iter().enumerate() {
             if !kept.insert(update) {
                 self.say(
                     &format!("output.snapshots.{i}"),

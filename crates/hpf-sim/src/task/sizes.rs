@@ -77,7 +77,7 @@ impl Task {
             table(
                 "output.snapshots",
                 "signals of every kept trajectory",
-                trajectory * (1.0 + self.output.snapshots.len() as f64),
+                trajectory * (1.0 + self.snapshots().len() as f64),
                 1.0,
             ),
             table(

@@ -1,6 +1,5 @@
 //! Signals of several runs over time: one panel per axis, or one for the contact.
 
-use hpf_sim::environment::disturbance::Side;
 use hpf_sim::task::{Axis as TaskAxis, Gain, Unit};
 use hpf_sim::{AxisTrace, ContactTrace};
 
@@ -10,7 +9,7 @@ use super::super::gain::{WIDEST_BOUNDS, bounds, damping_unit, stiffness_unit};
 use super::super::motions::Length;
 use super::super::number::short;
 use super::super::palette::{GREEN, GREY, Pen, SHADE, tint};
-use super::super::signals::{axis_heading, axis_phrase};
+use super::super::signals::{axis_heading, axis_phrase, force_over_time};
 use super::{Named, common, lines, shared};
 use crate::render::paper_deviation;
 use crate::results::Run;
@@ -70,16 +69,11 @@ fn gain(
     Figure::new(format!("{name}{phrase}, learned"), axes.map(|(i, axis)| panel(i, axis)).collect())
 }
 
-/// Draws the disturbances of each run.
+/// Draws the disturbances of each run; where they are drawn, those of its trajectory.
 pub fn disturbance(runs: &[Named<'_>]) -> Figure {
     let force = |run: &Run, i: usize| -> Vec<Point> {
-        let name = &run.task.axis[i].name;
-        let at = |time: f64, side| {
-            let acting = run.task.disturbance.iter().filter(|disturbance| disturbance.axis() == name);
-            (time, acting.map(|disturbance| disturbance.force(time, side)).sum::<f64>())
-        };
-        // Both sides of every instant, so that a jump is upright.
-        run.trajectory.time.iter().flat_map(|time| [at(*time, Side::Before), at(*time, Side::After)]).collect()
+        let met = hpf_sim::disturbances(&run.task);
+        met.first().map(|shown| force_over_time(run, shown, i)).unwrap_or_default()
     };
     let panel = |i: usize, axis: &TaskAxis| {
         let forces: Vec<_> = lines(runs).map(|(name, run, pen)| (name, force(run, i), pen)).collect();
