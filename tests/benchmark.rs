@@ -33,6 +33,11 @@ fn every_method_is_measured_on_the_tasks_that_are_named() {
 
     let (_, stderr) = expect(2, folder.path(), &arguments);
     assert!(stderr.contains("b/benchmarks.md exists and is left as it is"), "{stderr}");
+    fs::write(folder.path().join("file"), "").unwrap();
+    for command in ["benchmark", "reproduce"] {
+        let (_, stderr) = expect(1, folder.path(), &[command, "--out", "file/under"]);
+        assert!(stderr.starts_with("error: cannot write file/under"), "before anything is learned: {stderr}");
+    }
     let (_, stderr) = expect(2, folder.path(), &["benchmark", "--task", "walls"]);
     assert!(stderr.contains("there is no task `walls` to compare on; there are: via_point, cantilever"), "{stderr}");
 }

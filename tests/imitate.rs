@@ -75,7 +75,7 @@ fn the_figure_of_the_demonstrations_is_offered_where_there_are_any_and_refuses_a
     let plot = |code, run: &str, only: &str| {
         expect(code, folder.path(), &["plot", run, "--out", "figures", "--force", "--only", only]).1
     };
-    assert!(plot(2, "learned", "demonstration").ends_with("there are cost, stiffness, damping, disturbance, path\n"));
+    assert!(plot(2, "learned", "demonstration").ends_with("there are cost, stiffness, damping, path\n"));
     assert!(plot(2, "runs/wipe", "demo").contains("path, demonstration"));
     let file = folder.path().join("runs/wipe/demonstrations.csv");
     let whole = read(&file);

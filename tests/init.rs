@@ -52,6 +52,8 @@ fn a_task_is_named_after_its_file_and_replaces_nothing() {
     expect(0, folder.path(), &["init", "reach", "--out", "my arm.toml"]);
     expect(0, folder.path(), &["check", "my arm.toml"]);
     expect(2, folder.path(), &["init", "nothing"]);
+    let (_, stderr) = expect(2, folder.path(), &["init", "reach", "--out", "new/"]);
+    assert!(stderr.contains("new/: this is a directory: name a file with --out"), "{stderr}");
 }
 
 #[test]

@@ -255,7 +255,8 @@ fn a_damaged_run_directory_is_refused_by_the_name_of_the_damaged_file() {
     let run = run(folder.path());
     let names =
         ["task.toml", "policy.json", "learning.csv", "trajectory.csv", "snapshots/2.csv", "summary.json", "log.mcap"];
-    let commands: [(&[&str], &[&str]); 6] = [
+    let commands: [(&[&str], &[&str]); 7] = [
+        (&["recover", "run/log.mcap", "--out", "rescued.mcap", "--force"], &["log.mcap"]),
         (&["run", "run"], &["task.toml", "policy.json"]),
         (&["check", "run"], &["task.toml", "policy.json"]),
         (&["info", "run"], &["summary.json"]),
@@ -291,6 +292,36 @@ fn a_damaged_run_directory_is_refused_by_the_name_of_the_damaged_file() {
             fs::write(run.join(name), &whole).unwrap();
         }
     }
+}
+
+#[test]
+fn a_sweep_takes_no_damaged_run_for_a_finished_one() {
+    let folder = folder();
+    let sweep = ["sweep", &task("reach.toml"), "--seeds", "1", "--set", "learning.updates=2", "--set", "accept={}"];
+    let sweep = [&sweep[..], &["--quiet", "--out", "s"]].concat();
+    expect(0, folder.path(), &sweep);
+    let run = folder.path().join("s/runs/seed-1");
+    for name in ["summary.json", "policy.json", "learning.csv"] {
+        let whole = fs::read(run.join(name)).unwrap();
+        for damaged in [None, Some(&b""[..]), Some(&whole[..whole.len() / 2]), Some(b"\x00\xffwhat?\x00")] {
+            fs::remove_file(run.join(name)).unwrap();
+            if let Some(damaged) = damaged {
+                fs::write(run.join(name), damaged).unwrap();
+            }
+            let (code, stderr) = try_hpf(folder.path(), &sweep);
+            assert!(code == 2 && stderr.contains(name) && stderr.contains("seed-1"), "{name}: {code} {stderr}");
+            fs::write(run.join(name), &whole).unwrap();
+        }
+    }
+    // What a sweep writes itself, and what it does not read, may be in any state.
+    for name in ["s/results.csv", "s/plots/cost.png", "s/runs/seed-1/trajectory.csv", "s/runs/seed-1/task.toml"] {
+        fs::write(folder.path().join(name), b"what?").unwrap();
+    }
+    let (stdout, _) = expect(0, folder.path(), &sweep);
+    assert!(stdout.contains("1 were there before"), "{stdout}");
+    fs::write(folder.path().join("s/summary.json"), b"what?").unwrap();
+    let (code, stderr) = try_hpf(folder.path(), &sweep);
+    assert!(code == 2 && stderr.contains("s is no sweep"), "{stderr}");
 }
 
 #[test]

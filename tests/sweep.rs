@@ -153,6 +153,9 @@ fn what_cannot_be_varied_is_refused_before_anything_is_learned() {
         ("learning.noise.movement", "key.path=value,value"),
         ("learning.noise.movement=1,,2", "a value is missing"),
         ("learning.noise.movement=1,1", "named twice"),
+        ("learning.noise.movement=", "a value is missing"),
+        ("learning.noise.movement=a,b", "must be a number or an array of numbers"),
+        ("=1,2", "--vary =1,2: the key has an empty part"),
         ("learning.seed=1,2", "--seeds"),
         ("stiffness.min=1,1000", "stiffness"),
     ];

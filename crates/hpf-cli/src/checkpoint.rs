@@ -1,7 +1,7 @@
 //! `checkpoint`: what learning was told so far, from which a run goes on to the same bytes.
 //!
 //! ```text
-//! hpf-checkpoint 1 hpf 0.1.0 task 3f2a...\n     version of the file, of the program, SHA-256 of task.toml
+//! hpf-checkpoint 2 hpf 0.1.0 task.toml=3f2a...\n     version of the file, of the program, SHA-256 of what the run began with
 //! length crc record, length crc record, ...    u32, u32 (CRC-32 of the record), postcard of `hpf_learn::Record`
 //! ```
 //! The file only grows, by one write for each batch of motions: nothing is written twice, whatever the size of the
@@ -20,9 +20,9 @@ use crate::failure::Failure;
 use crate::files::{in_file, while_writing};
 
 /// Version of the file.
-const VERSION: &str = "1";
+const VERSION: &str = "2";
 /// Longest first line read [bytes].
-const LONGEST_HEAD: u64 = 256;
+const LONGEST_HEAD: u64 = 1 << 14;
 /// Bytes before a record: its length and its checksum.
 const FRAME: usize = 8;
 /// Longest time until a power cut can no longer undo an update.
@@ -36,33 +36,37 @@ pub struct Checkpoint {
     synced: Instant,
 }
 
-fn head(task_sha256: &str) -> String {
-    format!("hpf-checkpoint {VERSION} hpf {} task {task_sha256}\n", env!("CARGO_PKG_VERSION"))
+/// A file that a run begins with: its name in the run directory, and its SHA-256.
+pub type Input = (String, String);
+
+fn head(inputs: &[Input]) -> String {
+    let inputs: String = inputs.iter().map(|(name, sha256)| format!(" {name}={sha256}")).collect();
+    format!("hpf-checkpoint {VERSION} hpf {}{inputs}\n", env!("CARGO_PKG_VERSION"))
 }
 
 impl Checkpoint {
-    /// Begins the checkpoint of a task.
+    /// Begins the checkpoint of a run that begins with `inputs`.
     ///
     /// # Errors
     /// [`Failure::Work`] that names the file.
-    pub fn create(path: &Path, task_sha256: &str) -> Result<Self, Failure> {
+    pub fn create(path: &Path, inputs: &[Input]) -> Result<Self, Failure> {
         let create = || {
             let mut file = File::create_new(path)?;
-            file.write_all(head(task_sha256).as_bytes())?;
+            file.write_all(head(inputs).as_bytes())?;
             Ok(file)
         };
         let file = create().map_err(while_writing::<io::Error>(path))?;
         Ok(Self { file, path: path.to_owned(), buffer: Vec::new(), synced: Instant::now() })
     }
 
-    /// Opens the checkpoint of a task, hands each of its records to `take`, and cuts off what is damaged. Returns the
+    /// Opens the checkpoint of a run that began with `inputs`, hands each of its records to `take`, and cuts off what is damaged. Returns the
     /// bytes cut off, too.
     ///
     /// # Errors
-    /// [`Failure::Input`] for a file that is no checkpoint of this version and task; what `take` says.
+    /// [`Failure::Input`] for a file that is no checkpoint of this version and these inputs; what `take` says.
     pub fn open(
         path: &Path,
-        task_sha256: &str,
+        inputs: &[Input],
         mut take: impl FnMut(Record) -> Result<(), Failure>,
     ) -> Result<(Self, u64), Failure> {
         let file = File::options().read(true).write(true).open(path).map_err(in_file(path))?;
@@ -70,7 +74,7 @@ impl Checkpoint {
         let mut reader = BufReader::new(&file);
         let mut line = Vec::new();
         (&mut reader).take(LONGEST_HEAD).read_until(b'\n', &mut line).map_err(in_file(path))?;
-        check_head(&String::from_utf8_lossy(&line), task_sha256).map_err(in_file(path))?;
+        check_head(&String::from_utf8_lossy(&line), inputs).map_err(in_file(path))?;
         let mut whole = line.len() as u64;
         while let Some((record, bytes)) = next(&mut reader, length - whole).map_err(in_file(path))? {
             take(record)?;
@@ -113,22 +117,34 @@ impl Checkpoint {
 }
 
 /// Refuses a first line that is not this one, and says what it is.
-fn check_head(line: &str, task_sha256: &str) -> Result<(), String> {
-    if line == head(task_sha256) {
+fn check_head(line: &str, inputs: &[Input]) -> Result<(), String> {
+    if line == head(inputs) {
         return Ok(());
     }
+    let damaged =
+        || Err("this is no checkpoint, or its first line is damaged; learn the task again with --force".into());
     let words: Vec<&str> = line.split_whitespace().collect();
-    let ["hpf-checkpoint", version, "hpf", program, "task", _] = words[..] else {
-        return Err("this is no checkpoint, or its first line is damaged; learn the task again with --force".into());
-    };
-    if version != VERSION {
+    let ["hpf-checkpoint", version, "hpf", program, began_with @ ..] = &words[..] else { return damaged() };
+    if *version != VERSION {
         return Err(format!("this is a checkpoint of version {version}; this program reads version {VERSION}"));
     }
-    if program != env!("CARGO_PKG_VERSION") {
+    if *program != env!("CARGO_PKG_VERSION") {
         let own = env!("CARGO_PKG_VERSION");
         return Err(format!("hpf {program} began this run and hpf {own} may go on differently: use hpf {program}"));
     }
-    Err("task.toml is not the task that this run began with; put it back, or learn it anew with --force".into())
+    let began_with: Vec<(&str, &str)> = began_with.iter().filter_map(|input| input.split_once('=')).collect();
+    let is_same = |(name, sha256): &(&str, &str)| inputs.iter().any(|(own, is)| own == name && is == sha256);
+    if let Some((name, _)) = began_with.iter().find(|input| !is_same(input)) {
+        return Err(format!(
+            "{name} is not what this run began with; put it back, or learn the task anew with --force"
+        ));
+    }
+    match inputs.iter().find(|(name, _)| began_with.iter().all(|(before, _)| before != name)) {
+        Some((name, _)) => {
+            Err(format!("this run began without {name}; remove it, or learn the task anew with --force"))
+        }
+        None => damaged(),
+    }
 }
 
 /// The next record and its size in the file; `None` at the end and where what follows is damaged.
@@ -175,14 +191,18 @@ mod tests {
         ]
     }
 
+    fn inputs() -> Vec<Input> {
+        [("task.toml", "abc"), ("start_policy.json", "123")].map(|(name, sum)| (name.into(), sum.into())).to_vec()
+    }
+
     fn write(path: &Path) {
-        let mut checkpoint = Checkpoint::create(path, "abc").unwrap();
+        let mut checkpoint = Checkpoint::create(path, &inputs()).unwrap();
         records().iter().for_each(|record| checkpoint.append(record).unwrap());
     }
 
     fn read(path: &Path) -> Result<(Vec<Record>, u64), String> {
         let mut found = Vec::new();
-        let opened = Checkpoint::open(path, "abc", |record| {
+        let opened = Checkpoint::open(path, &inputs(), |record| {
             found.push(record);
             Ok(())
         });
@@ -203,12 +223,12 @@ mod tests {
         let path = folder.path().join("checkpoint");
         write(&path);
         let bytes = std::fs::read(&path).unwrap();
-        for length in head("abc").len()..bytes.len() {
+        for length in head(&inputs()).len()..bytes.len() {
             std::fs::write(&path, &bytes[..length]).unwrap();
             let (found, _) = read(&path).unwrap();
             assert!(found.len() < 3 && found[..] == records()[..found.len()], "{length} bytes");
             // What is left is whole, and what is added follows it.
-            let (mut checkpoint, damaged) = Checkpoint::open(&path, "abc", |_| Ok(())).unwrap();
+            let (mut checkpoint, damaged) = Checkpoint::open(&path, &inputs(), |_| Ok(())).unwrap();
             assert_eq!(damaged, 0);
             records()[found.len()..].iter().for_each(|record| checkpoint.append(record).unwrap());
             assert_eq!(std::fs::read(&path).unwrap(), bytes);
@@ -227,25 +247,29 @@ mod tests {
             std::fs::write(&path, &damaged).unwrap();
             match read(&path) {
                 Ok((found, cut)) => {
-                    assert!(place >= head("abc").len() && cut > 0, "byte {place}");
+                    assert!(place >= head(&inputs()).len() && cut > 0, "byte {place}");
                     assert!(found.len() < 3 && found[..] == records()[..found.len()], "byte {place}");
                 }
-                Err(_) => assert!(place < head("abc").len(), "byte {place}"),
+                Err(_) => assert!(place < head(&inputs()).len(), "byte {place}"),
             }
         }
     }
 
     #[test]
-    fn other_versions_and_tasks_are_refused_by_name() {
-        let own = head("abc");
+    fn other_versions_and_inputs_are_refused_by_name() {
+        let own = head(&inputs());
         for (line, words) in [
-            (own.replace("checkpoint 1", "checkpoint 9"), "version 9"),
+            (own.replace("checkpoint 2", "checkpoint 9"), "version 9"),
             (own.replace(env!("CARGO_PKG_VERSION"), "7.7.7"), "hpf 7.7.7"),
-            (own.replace("abc", "def"), "task.toml"),
+            (own.replace("abc", "def"), "task.toml is not what"),
+            (own.replace("123", "321"), "start_policy.json is not what"),
+            (own.replace(" start_policy.json=123", ""), "began without start_policy.json"),
+            (own.replace('\n', " disturbance_0.csv=5\n"), "disturbance_0.csv is not what"),
+            (own.replace('\n', " and more\n"), "no checkpoint"),
             ("\u{fffd}\u{fffd}".to_owned(), "no checkpoint"),
             (String::new(), "no checkpoint"),
         ] {
-            let refused = check_head(&line, "abc").unwrap_err();
+            let refused = check_head(&line, &inputs()).unwrap_err();
             assert!(refused.contains(words), "{refused}");
         }
     }

@@ -112,7 +112,10 @@ impl Unfinished {
         } else if target.join(CHECKPOINT).is_file() {
             fs::rename(&target, &partial).map_err(while_writing(&partial))?;
         } else if target.join("summary.json").is_file() {
-            return refuse(&target, "is finished: there is nothing to go on with");
+            return refuse(
+                &target,
+                "is finished: there is nothing to go on with; hpf learn TASK --from RUN --out OTHER learns further",
+            );
         } else {
             return refuse(&target, "is no run that was broken off: there is nothing to go on with");
         }

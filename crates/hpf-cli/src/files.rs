@@ -3,7 +3,7 @@
 use core::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, is_separator};
 
 use hpf_sim::Policy;
 use hpf_sim::environment::Disturbance;
@@ -199,7 +199,9 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
 /// [`Failure::Input`] that says what to pass.
 pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
     let refuse = |why: &str| Err(Failure::Input(format!("{}: {why}", target.display())));
-    if target.is_dir() || target.file_name().is_none() {
+    let ends_as_directory =
+        target.as_os_str().as_encoded_bytes().last().is_some_and(|last| is_separator((*last).into()));
+    if target.is_dir() || target.file_name().is_none() || ends_as_directory {
         return refuse("this is a directory: name a file with --out");
     }
     if target.symlink_metadata().is_ok() && !force {

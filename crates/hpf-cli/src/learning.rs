@@ -9,15 +9,15 @@ use hpf_learn::{Driver, History, LearnError, Problem, Progress, Session, Stop};
 use hpf_sim::task::{Environment, Task};
 use hpf_sim::{Metric, Policy, Simulation, Trace};
 
-use crate::checkpoint::Checkpoint;
+use crate::checkpoint::{Checkpoint, Input};
 use crate::directory::{CHECKPOINT, Unfinished};
 use crate::failure::Failure;
-use crate::files::{LoadedTask, sha256, while_writing};
+use crate::files::{LoadedTask, read_text, sha256, while_writing};
 use crate::interrupt;
 use crate::log::{Head, Log};
 use crate::process::Process;
 use crate::progress::{Meter, tell};
-use crate::results::{LearningRow, Run};
+use crate::results::{LearningRow, Run, own_tables};
 use crate::start::{self, START};
 
 /// The log while learning goes on.
@@ -162,6 +162,18 @@ fn learn_in<P: Problem>(
     Ok(Learned { run, history, metrics: Vec::new(), time, failure, is_planned: false })
 }
 
+/// What decides how learning goes on, besides the checkpoint: the task, its tables and the policy it starts from.
+fn inputs(loaded: &LoadedTask, folder: &Unfinished) -> Result<Vec<Input>, Failure> {
+    let mut inputs = vec![("task.toml".to_owned(), sha256(&loaded.text))];
+    let tables = own_tables(&mut loaded.task.clone());
+    inputs.extend(tables.into_iter().map(|table| (table.name, sha256(&table.csv))));
+    let start = folder.path(START);
+    if start.is_file() {
+        inputs.push((START.to_owned(), sha256(&read_text(&start)?)));
+    }
+    Ok(inputs)
+}
+
 /// Brings `session` to where the checkpoint of the folder is; begins one where there is none.
 fn restore(
     loaded: &LoadedTask,
@@ -170,13 +182,13 @@ fn restore(
     kept: &mut Kept<'_>,
 ) -> Result<Checkpoint, Failure> {
     let path = folder.path(CHECKPOINT);
-    let task = sha256(&loaded.text);
+    let inputs = inputs(loaded, folder)?;
     if !path.is_file() {
-        let checkpoint = Checkpoint::create(&path, &task)?;
+        let checkpoint = Checkpoint::create(&path, &inputs)?;
         folder.ready()?;
         return Ok(checkpoint);
     }
-    let (checkpoint, damaged) = Checkpoint::open(&path, &task, |record| {
+    let (checkpoint, damaged) = Checkpoint::open(&path, &inputs, |record| {
         let progress = session.replay(&record);
         let progress = progress.map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
         if let Some(progress) = &progress {

@@ -1,7 +1,7 @@
 //! What is learned and what is not: goals, single primitives, single axes.
 
 use hpf_learn::{Problem, learn_with};
-use hpf_sim::task::Method;
+use hpf_sim::task::{Method, PerAxis};
 use hpf_sim::{Policy, Simulation, Task};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
@@ -37,6 +37,23 @@ fn what_is_not_learned_stays_as_it_was() {
         assert_eq!(y.0.movement, y.1.movement);
         assert_eq!((&x.0.damping, &y.0.damping), (&x.1.damping, &y.1.damping));
         assert_eq!([x.0.goal, y.0.goal], [x.1.goal, y.1.goal]);
+    }
+}
+
+#[test]
+fn cma_es_moves_nothing_that_is_frozen_and_no_number_is_lost() {
+    let stiffness = with_learning(VIA_POINT, "learn = [\"stiffness\"]").unwrap();
+    let mut silent = Task::parse(VIA_POINT).unwrap();
+    silent.learning.noise.movement = PerAxis::Each(vec![0.0, 10.0]);
+    for (mut task, moves_y) in [(stiffness, false), (silent, true)] {
+        task.learning.method = Method::CmaEs;
+        let (before, after) = learned(&task, 1000);
+        let [x, y] = [0, 1].map(|a| (&before.axes[a], &after.axes[a]));
+        assert_eq!(x.0.movement, x.1.movement);
+        assert_eq!(y.0.movement != y.1.movement, moves_y);
+        assert_eq!(x.0.damping != x.1.damping, moves_y);
+        assert_ne!(x.0.stiffness, x.1.stiffness);
+        assert!(after.weights().iter().all(|weight| weight.is_finite()));
     }
 }
 

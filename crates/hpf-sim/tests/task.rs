@@ -403,6 +403,8 @@ fn learning_has_room_for_an_update_and_keeps_only_what_it_makes() {
     let message = "there is no update 601 to keep";
     let help = "snapshots lie between 0 and learning.updates = 600";
     one(VIA_POINT, ("snapshots = [0, 100", "snapshots = [0, 601"), "601", message, help);
+    let twice = ("snapshots = [0, 100", "snapshots = [0, 100, 1_00");
+    one(VIA_POINT, twice, "1_00", "update 100 is kept twice", "name each update once");
 }
 
 #[test]

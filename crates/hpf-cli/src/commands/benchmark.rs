@@ -21,12 +21,13 @@ pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failur
             "{place} exists and is left as it is; pass --force to replace it, or --out to write elsewhere"
         )));
     }
+    // What cannot be written is told before minutes of learning, not after.
+    fs::create_dir_all(&folder).map_err(while_writing(&folder))?;
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
     let Some(study) = Study::learn(&options.task, seeds, options.motions, common.quiet)? else {
         return Ok(Outcome::Interrupted);
     };
-    fs::create_dir_all(&folder).map_err(while_writing(&folder))?;
     figure::draw(&figures(&study), "", Format::Png, &folder.join("images/benchmarks"))?;
     let seconds = started.elapsed().as_secs_f64();
     let object = json(&study, seconds);

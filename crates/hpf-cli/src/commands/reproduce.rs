@@ -31,7 +31,11 @@ pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failur
     match &page {
         // A page without marks is refused before anything is learned.
         Some((path, text)) => drop(placed(text, "").map_err(in_file(path))?),
-        None => free(&folder, common.force)?,
+        // What cannot be written is told before minutes of learning, not after.
+        None => {
+            free(&folder, common.force)?;
+            fs::create_dir_all(&folder).map_err(while_writing(&folder))?;
+        }
     }
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
@@ -102,7 +106,6 @@ fn write(
     block: &str,
     folder: &Path,
 ) -> Result<Vec<String>, Failure> {
-    fs::create_dir_all(folder).map_err(while_writing(folder))?;
     let subject = format!("seed {}", study.seeds[0]);
     let mut names = figure::draw(&of_first_seed(study), &subject, Format::Png, folder)?;
     names.extend(figure::draw(&over_seeds(study), "", Format::Png, folder)?);

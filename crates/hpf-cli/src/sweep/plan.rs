@@ -159,6 +159,9 @@ fn factor(text: &str) -> Result<Factor, Failure> {
         return wrong("write it as key.path=value,value, such as learning.noise.movement=10,30,100");
     };
     let key = key.trim();
+    if key.split('.').any(str::is_empty) {
+        return wrong("the key has an empty part");
+    }
     if key == "learning.seed" {
         return wrong("seeds are varied with --seeds, from --seed on");
     }

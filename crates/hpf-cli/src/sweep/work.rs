@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::files::sha256;
 use crate::interrupt;
 use crate::progress::Tally;
+use crate::results::{OwnTable, read_learning};
 use crate::side_by_side::side_by_side;
 use crate::trial::{self, Broken};
 
@@ -30,8 +31,8 @@ enum Standing {
     Nothing,
     /// The same run, finished.
     Finished,
-    /// Something else.
-    Other,
+    /// Something else: why it is no such run.
+    Other(&'static str),
 }
 
 /// Looks for the run of `job` in `folder`. It is finished where the same task, tables included, left its summary last.
@@ -40,24 +41,24 @@ fn standing(job: &Job, folder: &Path, full: bool) -> Standing {
     if !directory.exists() {
         return Standing::Nothing;
     }
-    let summary = fs::read_to_string(directory.join("summary.json")).unwrap_or_default();
-    let summary: Value = serde_json::from_str(&summary).unwrap_or_default();
-    let same_tables = job
-        .prepared
-        .tables
-        .iter()
-        .all(|table| fs::read_to_string(directory.join(&table.name)).is_ok_and(|text| text == table.csv));
-    let policy = fs::read_to_string(directory.join("policy.json")).unwrap_or_default();
-    let same = summary["format"] == json!("hpf-summary")
-        && summary["version"] == json!(1)
-        && summary["task_sha256"] == json!(sha256(&job.prepared.loaded.text))
-        && summary["policy_sha256"] == json!(sha256(&policy));
-    match same && same_tables {
-        false => Standing::Other,
-        // What is kept of a light run is not enough: it is learned again, to the same bytes.
-        true if full && !directory.join("log.mcap").exists() => Standing::Nothing,
-        true => Standing::Finished,
+    let text = |name: &str| fs::read_to_string(directory.join(name)).unwrap_or_default();
+    let summary: Value = serde_json::from_str(&text("summary.json")).unwrap_or_default();
+    if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
+        return Standing::Other("has no summary.json that is whole");
     }
+    let has_table = |table: &OwnTable| text(&table.name) == table.csv;
+    if summary["task_sha256"] != json!(sha256(&job.prepared.loaded.text)) || !job.prepared.tables.iter().all(has_table)
+    {
+        return Standing::Other("holds a run of another task");
+    }
+    if summary["policy_sha256"] != json!(sha256(&text("policy.json"))) {
+        return Standing::Other("has a policy.json that is not the one it learned");
+    }
+    if read_learning(&text("learning.csv")).is_err() {
+        return Standing::Other("has no learning.csv that is whole");
+    }
+    // What is kept of a light run is not enough: it is learned again, to the same bytes.
+    if full && !directory.join("log.mcap").exists() { Standing::Nothing } else { Standing::Finished }
 }
 
 /// Learns every run of `plan` that is not finished in `folder`; with `force`, every run.
@@ -69,10 +70,10 @@ pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: boo
     for (index, job) in plan.jobs.iter().enumerate() {
         match standing(job, folder, full) {
             Standing::Finished if !force => {}
-            Standing::Other if !force => {
+            Standing::Other(why) if !force => {
                 return Err(Failure::Input(format!(
-                    "{} holds a run of another task and is left as it is; pass --force to learn all runs again, or --out \
-                     to write elsewhere",
+                    "{} {why} and is left as it is; remove it to learn it again, pass --force to learn all runs again, \
+                     or --out to write elsewhere",
                     folder.join(&job.directory).display()
                 )));
             }

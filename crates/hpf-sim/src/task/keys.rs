@@ -255,7 +255,11 @@ impl<'s> Walk<'s> {
             || bound("maximum").is_some_and(|max| value > max)
             || bound("exclusiveMaximum").is_some_and(|max| value >= max);
         if outside {
-            self.say(span, format!("`{key}` is out of range: {text}"), format!("`{key}` must be {}", self.describe(schema)));
+            self.say(
+                span,
+                format!("`{key}` is out of range: {text}"),
+                format!("`{key}` must be {}", self.describe(schema)),
+            );
         }
     }
 

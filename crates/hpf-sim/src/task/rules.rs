@@ -6,8 +6,8 @@ use std::collections::HashSet;
 use super::keys::{Document, unknown};
 use super::learning::PRIMITIVES;
 use super::{
-    Diagnostic, Environment, Gain, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling, PerAxis,
-    Scaling, Task, Unit, ViaPoint,
+    Diagnostic, Environment, Gain, MAX_AXES, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling,
+    PerAxis, Scaling, Task, Unit, ViaPoint,
 };
 use crate::environment::{Distribution, Quantity};
 
@@ -25,7 +25,8 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     rules.gain("damping", &task.damping);
     rules.scaling();
     rules.admittance();
-    if named {
+    // Of too many axes, told already, nobody wants the list.
+    if named && task.axis.len() <= MAX_AXES {
         rules.environment();
         rules.learned();
     }
