@@ -29,3 +29,5 @@ mod solver;
 mod stochastic;
 mod support;
 mod sweep;
+#[path = "../crates/hpf-sim/tests/waves/mod.rs"]
+mod waves;

@@ -9,6 +9,7 @@ use hpf_core::{HybridPrimitive, Real};
 use hpf_sim::{Policy, Task};
 
 use crate::support::{Columns, expect, folder, hpf, read, root, task};
+use crate::waves;
 
 /// A policy of two axes whose weights have no short decimal form, each primitive with a basis of its own, and names that
 /// no language takes as they are.
@@ -41,14 +42,7 @@ fn policy_in_time() -> Policy {
     let text = text.replacen("basis = 20 ", "basis = { family = \"time\" } ", 1);
     let text = text.replacen("basis = 20\n", "basis = { family = \"time\", count = 11 }\n", 1);
     let task = Task::parse(&(text + "\n[admittance]\norder = 2\nmass = [1.5, 0.1]\n")).unwrap();
-    let mut policy = Policy::initial(&task).unwrap();
-    for (a, axis) in policy.axes.iter_mut().enumerate() {
-        let wave = |i: usize, speed: f64| (speed * i as f64 + a as f64).sin();
-        axis.movement.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 60.0 * wave(i, 1.1));
-        axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 200.0 + 150.0 * wave(i, 0.7));
-        axis.damping.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 50.0 + 35.0 * wave(i, 0.9));
-    }
-    policy
+    waves::policy(&task)
 }
 
 /// Writes a policy as policy.json.

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 use core::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use hpf_sim::demonstration::{DurationFrom, Fit, Follow, Outline};
+use hpf_sim::demonstration::{Fit, Outline};
 use hpf_sim::{Demonstration, Imitation, Task};
 
 fn benches(criterion: &mut Criterion) {
@@ -22,19 +22,7 @@ fn benches(criterion: &mut Criterion) {
         .collect();
     let text = format!("time_s,x_m,y_m\n{rows}");
     let demonstrations = [Demonstration::parse(&text).expect("the table is right")];
-    let outline = Outline {
-        name: "bench".into(),
-        follow: Follow::Position,
-        duration: DurationFrom::Mean,
-        rate: None,
-        basis: 20,
-        decay: 100.0_f64.ln(),
-        alpha: 25.0,
-        scaling: None,
-        stiffness: [100.0, 30.0, 400.0],
-        damping: [50.0, 10.0, 100.0],
-        via_points: 0,
-    };
+    let outline = Outline { via_points: 0, ..Outline::default() };
     let task = Task::parse(&outline.write(&demonstrations)).expect("the task is right");
     let mut group = criterion.benchmark_group("500 samples, 2 axes, 20 functions");
     for (name, fit) in [("ridge", Fit::Ridge), ("locally weighted", Fit::LocallyWeighted)] {

@@ -7,8 +7,9 @@ use core::hint::black_box;
 
 use criterion::Criterion;
 use hpf_learn::{Cost, Draws, Parameters, Pi2, Pi2Options, Problem, learn};
+use hpf_sim::Policy;
 use hpf_sim::environment::disturbance::Side;
-use hpf_sim::{Policy, Simulation, Task};
+use stepped::{prepared, stepped};
 
 const CANTILEVER: &str = include_str!("../../../tasks/cantilever.toml");
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
@@ -27,13 +28,6 @@ cost = { via_point = 1e4, acceleration = 1e-3 }
 learning = { noise = { movement = 10.0 } }
 "#;
 
-fn prepared(text: &str) -> (Task, Policy, Simulation) {
-    let task = Task::parse(text).unwrap();
-    let policy = Policy::initial(&task).unwrap();
-    let simulation = Simulation::new(&task, &policy).unwrap();
-    (task, policy, simulation)
-}
-
 /// The same 20 rollouts of the via point, on one thread: stepped as a robot does, and as a batch.
 fn batch_against_controller(criterion: &mut Criterion) {
     let (task, policy, simulation) = prepared(VIA_POINT);
@@ -46,7 +40,7 @@ fn batch_against_controller(criterion: &mut Criterion) {
     let forces: Vec<[f64; 2]> = (0..task.steps()).map(force).collect();
     for (policy, sample) in policies.iter().zip(&samples) {
         let trace = simulation.rollout(sample.at(0));
-        for (i, command) in stepped::stepped(policy, &forces).into_iter().enumerate() {
+        for (i, command) in stepped(policy, &forces).into_iter().enumerate() {
             for (command, axis) in command.into_iter().zip(&trace.axes) {
                 assert!((command - axis.position[i + 1]).abs() < 5e-6, "the same motion to 5 um");
             }
@@ -54,8 +48,7 @@ fn batch_against_controller(criterion: &mut Criterion) {
     }
     let mut group = criterion.benchmark_group("20 rollouts of the via point, 20 000 axis-steps");
     group.bench_function("Controller", |bencher| {
-        bencher
-            .iter(|| policies.iter().map(|policy| stepped::stepped(policy, black_box(&forces))[499][0]).sum::<f64>());
+        bencher.iter(|| policies.iter().map(|policy| stepped(policy, black_box(&forces))[499][0]).sum::<f64>());
     });
     for (name, simulation) in [("batch", simulation.clone()), ("batch, portable", simulation.clone().portable())] {
         let (mut workspace, mut costs) = (simulation.workspace(), vec![Cost::default(); samples.len()]);

@@ -5,6 +5,7 @@ mod stepped;
 use hpf_learn::{Batch, Cost, Draws, Exploration, Parameters, Pi2, Pi2Options, Problem, learn};
 use hpf_sim::environment::disturbance::Side;
 use hpf_sim::{Policy, Simulation, Task};
+use stepped::{prepared, stepped};
 
 const SHIPPED: [&str; 4] = [
     include_str!("../../../tasks/cantilever.toml"),
@@ -26,13 +27,6 @@ contact = { kind = "wall", axis = "x", position = 0.05, stiffness = 5e3, force =
 cost = { goal = 1e4, tracking = 1e6, contact_force = 0.1, acceleration = 1e-3, stiffness = 1e-5, damping = 1e-4 }
 learning = { noise = { movement = 100.0 } }
 "#;
-
-fn prepared(text: &str) -> (Task, Policy, Simulation) {
-    let task = Task::parse(text).unwrap();
-    let policy = Policy::initial(&task).unwrap();
-    let simulation = Simulation::new(&task, &policy).unwrap();
-    (task, policy, simulation)
-}
 
 /// As many samples as asked for, with the noise of the task.
 fn samples(simulation: &Simulation, policy: &Policy, rollouts: usize, exploration: Exploration) -> Batch {
@@ -189,7 +183,7 @@ fn a_rollout_is_what_the_controller_of_a_robot_does() {
         let middle = |i: usize| (i as f64 + 0.5) * task.duration / steps as f64;
         let forces: Vec<[f64; 2]> =
             (0..steps).map(|i| [0, 1].map(|axis| task.disturbance[axis].force(middle(i), Side::After))).collect();
-        let commands = stepped::stepped(&policy, &forces);
+        let commands = stepped(&policy, &forces);
         let far = |i: usize, axis: usize| (commands[i][axis] - trace.axes[axis].position[i + 1]).abs();
         (0..steps).flat_map(|i| [far(i, 0), far(i, 1)]).fold(0.0, f64::max)
     };

@@ -10,22 +10,6 @@ use hpf_sim::demonstration::{
 use hpf_sim::task::Unit;
 use hpf_sim::{Demonstration, Imitated, Imitation, ImitationError, Simulation, Task};
 
-fn outline() -> Outline {
-    Outline {
-        name: "demonstrated".into(),
-        follow: Follow::Position,
-        duration: DurationFrom::Mean,
-        rate: None,
-        basis: 20,
-        decay: 100.0_f64.ln(),
-        alpha: 25.0,
-        scaling: None,
-        stiffness: [100.0, 30.0, 400.0],
-        damping: [50.0, 10.0, 100.0],
-        via_points: 4,
-    }
-}
-
 fn axis(name: &str, position: Vec<f64>) -> RecordedAxis {
     RecordedAxis {
         name: name.into(),
@@ -80,7 +64,7 @@ fn bent(t: f64) -> f64 {
 
 #[test]
 fn a_rolled_out_policy_is_found_again() {
-    let (task, first) = imitate(&unsmoothed(), &outline(), &[demonstration(1000, 2.0, bent)]);
+    let (task, first) = imitate(&unsmoothed(), &Outline::default(), &[demonstration(1000, 2.0, bent)]);
     let mut policy = first.policy;
     for i in 0..20 {
         policy.axes[0].stiffness.weights[i] = 200.0 + 150.0 * (0.5 * i as f64).cos();
@@ -94,7 +78,7 @@ fn a_rolled_out_policy_is_found_again() {
         ..axis("x", signals.position.clone())
     };
     let again = Demonstration { time: trace.time.clone(), axes: vec![recorded] };
-    let (task, imitated) = imitate(&unsmoothed(), &outline(), &[again]);
+    let (task, imitated) = imitate(&unsmoothed(), &Outline::default(), &[again]);
     assert_eq!((task.duration, task.steps()), (2.0, 1000));
     // Differences over steps of h = 1/1000 are second order: h^2/24 of the third derivative, at most 60 travels, times
     // 4/alpha, and h^2/8 of the second, which counts once. Some 6e-7 m; measured 2.7e-7 m.
@@ -117,7 +101,7 @@ fn a_rolled_out_policy_is_found_again() {
 fn the_path_of_an_imitation_converges_with_the_square_of_the_step() {
     // Against the imitation of the finest samples: what 20 functions cannot bend is the same in both.
     let path = |steps: usize| {
-        let (task, imitated) = imitate(&unsmoothed(), &outline(), &[demonstration(steps, 2.0, bent)]);
+        let (task, imitated) = imitate(&unsmoothed(), &Outline::default(), &[demonstration(steps, 2.0, bent)]);
         let trace = Simulation::new(&task, &imitated.policy).unwrap().rollout(&imitated.policy.weights());
         trace.axes[0].position.iter().step_by(steps / 100).copied().collect::<Vec<_>>()
     };
@@ -135,7 +119,7 @@ fn the_reference_demonstration_is_met_better_than_by_the_exact_solution_of_the_s
     // within 7.7e-5 (RMS); its own integrators to 7.3e-3 and 1.0e-2. Measured here: 3.4e-5.
     let text = include_str!("../../hpf-learn/tests/data/demo_2d.csv").replacen("t,y0,y1", "time_s,y0_m,y1_m", 1);
     let demonstration = Demonstration::parse(&text).unwrap();
-    let (task, imitated) = imitate(&unsmoothed(), &outline(), &[demonstration]);
+    let (task, imitated) = imitate(&unsmoothed(), &Outline::default(), &[demonstration]);
     let errors = errors(&task, &imitated);
     let whole = (errors.iter().map(|error| error * error).sum::<f64>() / 2.0).sqrt();
     println!("RMS distance per axis at dt = 2^-8: {whole:.2e}");
@@ -153,8 +137,8 @@ fn uneven_samples_that_start_anywhere_give_the_same_path() {
         })
         .collect();
     let uneven = Demonstration::parse(&format!("time_s,x_m\n{text}")).unwrap();
-    let (even_task, even) = imitate(&Imitation::default(), &outline(), &[even]);
-    let (task, uneven) = imitate(&Imitation::default(), &outline(), &[uneven]);
+    let (even_task, even) = imitate(&Imitation::default(), &Outline::default(), &[even]);
+    let (task, uneven) = imitate(&Imitation::default(), &Outline::default(), &[uneven]);
     assert_eq!((task.duration, task.rate), (even_task.duration, even_task.rate));
     let rollout = |imitated: &Imitated| {
         Simulation::new(&task, &imitated.policy).unwrap().rollout(&imitated.policy.weights()).axes[0].position.clone()
@@ -171,7 +155,7 @@ fn smoothing_keeps_noise_out_of_the_path() {
     let mut noisy = demonstration(1000, 2.0, |t| 0.3 * minimum_jerk(t));
     noisy.axes[0].position.iter_mut().enumerate().for_each(|(i, x)| *x += noise(i));
     let clean = |imitation: &Imitation| {
-        let (task, imitated) = imitate(imitation, &outline(), &[noisy.clone()]);
+        let (task, imitated) = imitate(imitation, &Outline::default(), &[noisy.clone()]);
         let trace = Simulation::new(&task, &imitated.policy).unwrap().rollout(&imitated.policy.weights());
         let position = trace.axes[0].position.iter().enumerate();
         let squares = position.map(|(i, x)| (x - 0.3 * minimum_jerk(i as f64 / 1000.0)).powi(2));
@@ -187,7 +171,7 @@ fn several_demonstrations_are_one_regression_over_all_their_samples() {
     let demonstrations = shapes.map(|(duration, start, goal, bend)| {
         demonstration(200, duration, move |t| start + (goal - start) * minimum_jerk(t) + bend * (PI * t).sin().powi(3))
     });
-    let (task, imitated) = imitate(&unsmoothed(), &outline(), &demonstrations);
+    let (task, imitated) = imitate(&unsmoothed(), &Outline::default(), &demonstrations);
     // Stacked by hand: features s A phi of each demonstration, its own forcing.
     let basis = Basis::equally_spaced(task.phase.decay, 0.6, vec![0.0; 20], vec![0.0; 20]).unwrap();
     let phase = Phase::new(1.0, task.phase.decay).unwrap();
@@ -215,7 +199,7 @@ fn several_demonstrations_are_one_regression_over_all_their_samples() {
 fn a_demonstration_is_carried_to_another_goal_as_its_policy_is() {
     let shape = |t: f64| 0.3 * minimum_jerk(t) + 0.05 * (PI * t).sin().powi(3);
     let demonstrations = [demonstration(1000, 2.0, shape)];
-    let text = outline().write(&demonstrations);
+    let text = Outline::default().write(&demonstrations);
     let text = text.replace("goal = 0.3\n", "goal = -0.6\n").replace("start = 0.0\n", "start = 0.2\n");
     let task = Task::parse(&text).unwrap();
     assert_eq!((task.axis[0].start, task.axis[0].goal), (0.2, -0.6));
@@ -233,7 +217,7 @@ fn a_demonstration_is_carried_to_another_goal_as_its_policy_is() {
 fn locally_weighted_regression_bends_the_pull_towards_the_demonstration() {
     let demonstrations = [demonstration(200, 2.0, |t| 0.3 * minimum_jerk(t))];
     let lwr = Imitation { fit: Fit::LocallyWeighted, ..Imitation::default() };
-    let (task, imitated) = imitate(&lwr, &outline(), &demonstrations);
+    let (task, imitated) = imitate(&lwr, &Outline::default(), &demonstrations);
     let simulation = Simulation::new(&task, &imitated.policy).unwrap();
     let distance = |weights: &[f64]| imitated.errors(&simulation.rollout(weights))[0];
     let (fitted, pull) = (errors(&task, &imitated)[0], distance(&[[0.0; 20], [100.0; 20], [50.0; 20]].concat()));
@@ -246,9 +230,9 @@ fn stiffness_from_spread_is_the_mapping_of_the_spread() {
     let share = |t: f64| 0.04 * (PI * t).sin().powi(2);
     let demonstrations =
         [1.0, -1.0].map(|side| demonstration(200, 2.0, move |t| 0.3 * minimum_jerk(t) + side * share(t)));
-    let (_, imitated) = imitate(&unsmoothed(), &outline(), &demonstrations);
+    let (_, imitated) = imitate(&unsmoothed(), &Outline::default(), &demonstrations);
     assert_eq!(imitated.stiffness, [StiffnessFrom::Spread]);
-    let task = task(&outline(), &demonstrations);
+    let task = task(&Outline::default(), &demonstrations);
     let trace = Simulation::new(&task, &imitated.policy).unwrap().rollout(&imitated.policy.weights());
     for (i, stiffness) in trace.axes[0].stiffness.iter().enumerate() {
         let expected = 400.0 - 370.0 * (PI * i as f64 / 200.0).sin().powi(2);
@@ -265,7 +249,7 @@ fn stiffness_from_muscle_activity_rises_with_its_envelope() {
     let sign = |i: i32| if i % 2 == 0 { 1.0 } else { -1.0 };
     one.axes[0].emg = Some((0..=1000).map(|i| 5.0 * sign(i) * activity(f64::from(i) / 1000.0)).collect());
     let ratio = Imitation { damping: Some(DampingFrom::Ratio), mass: 4.0, damping_ratio: 0.7, ..unsmoothed() };
-    let (task, imitated) = imitate(&ratio, &outline(), &[one]);
+    let (task, imitated) = imitate(&ratio, &Outline::default(), &[one]);
     assert_eq!((imitated.stiffness[0], imitated.damping[0]), (StiffnessFrom::Emg, DampingFrom::Ratio));
     let trace = Simulation::new(&task, &imitated.policy).unwrap().rollout(&imitated.policy.weights());
     for (i, (k, d)) in trace.axes[0].stiffness.iter().zip(&trace.axes[0].damping).enumerate() {
@@ -306,7 +290,7 @@ fn stiffness_and_damping_are_found_from_a_noisy_force() {
         (pushed(150.0, 25.0, 0.3, &[1.0, -0.7, 0.4], false), "three without"),
     ] {
         let force = Imitation { window: Some(2.0 / 3.0), ..force.clone() };
-        let (_, imitated) = imitate(&force, &outline(), &demonstrations);
+        let (_, imitated) = imitate(&force, &Outline::default(), &demonstrations);
         assert_eq!((imitated.stiffness[0], imitated.damping[0]), (StiffnessFrom::Force, DampingFrom::Force));
         // Noise of 0.17 N over windows of one whole wave, 333 samples, in which e of 0.02 m and e' of 0.2 m/s RMS are
         // orthogonal: standard deviations of 0.17/(0.02 sqrt(333)) = 0.46 N/m and 0.046 N s/m, at the ends, where half the
@@ -324,7 +308,7 @@ fn stiffness_and_damping_are_found_from_a_noisy_force() {
 #[test]
 fn gains_from_force_stay_within_their_bounds() {
     let force = Imitation { stiffness: Some(StiffnessFrom::Force), ..Imitation::default() };
-    let (_, imitated) = imitate(&force, &outline(), &pushed(900.0, 2.0, 0.0, &[1.0], true));
+    let (_, imitated) = imitate(&force, &Outline::default(), &pushed(900.0, 2.0, 0.0, &[1.0], true));
     let axis = &imitated.policy.axes[0];
     assert!(axis.stiffness.weights.iter().all(|k| (k - 400.0).abs() < 1e-6), "{:?}", axis.stiffness.weights);
     assert!(axis.damping.weights.iter().all(|d| (10.0..=100.0).contains(d)), "{:?}", axis.damping.weights);
@@ -334,7 +318,7 @@ fn gains_from_force_stay_within_their_bounds() {
 fn the_reference_can_be_followed_instead_of_the_tool() {
     let demonstrations = pushed(150.0, 25.0, 0.0, &[1.0], true);
     let reference = Imitation { follow: Follow::Reference, ..unsmoothed() };
-    let outline = Outline { follow: Follow::Reference, ..outline() };
+    let outline = Outline { follow: Follow::Reference, ..Outline::default() };
     let (task, imitated) = imitate(&reference, &outline, &demonstrations);
     assert_eq!((task.axis[0].start, task.axis[0].goal), (0.0, 0.3));
     let reference = demonstrations[0].axes[0].reference.as_ref().unwrap();
@@ -346,7 +330,7 @@ fn the_reference_can_be_followed_instead_of_the_tool() {
 fn what_is_missing_is_named() {
     let one = demonstration(100, 2.0, |t| 0.3 * minimum_jerk(t));
     let refused = |imitation: Imitation, demonstrations: &[Demonstration]| {
-        imitation.of(demonstrations, &task(&outline(), &demonstrations[..1])).unwrap_err().to_string()
+        imitation.of(demonstrations, &task(&Outline::default(), &demonstrations[..1])).unwrap_err().to_string()
     };
     let stiffness = |source| Imitation { stiffness: Some(source), ..Imitation::default() };
     let cases = [
@@ -376,14 +360,14 @@ fn what_is_missing_is_named() {
     );
     let mut other = one.clone();
     other.axes[0].name = "y".into();
-    let error = Imitation::default().of(&[one.clone(), other], &task(&outline(), &[one])).unwrap_err();
+    let error = Imitation::default().of(&[one.clone(), other], &task(&Outline::default(), &[one])).unwrap_err();
     assert_eq!(error.demonstration(), Some(1));
     assert_eq!(error.to_string(), "it moves the axes y [m], x [m] are wanted");
     let there_and_back = demonstration(100, 2.0, |t| 0.1 * (PI * t).sin().powi(2));
-    let goal = Outline { scaling: Some(ScaleBy::Goal), ..outline() };
+    let goal = Outline { scaling: Some(ScaleBy::Goal), ..Outline::default() };
     let text = goal.write(core::slice::from_ref(&there_and_back));
     assert!(Task::parse(&text).unwrap_err()[0].message.contains("goal scaling"));
-    let forth = task(&outline(), &[demonstration(100, 2.0, minimum_jerk)]);
+    let forth = task(&Outline::default(), &[demonstration(100, 2.0, minimum_jerk)]);
     let error = Imitation::default().of(&[there_and_back], &forth).unwrap_err();
     assert!(matches!(error, ImitationError::NoTravel { demonstration: 0, .. }), "{error}");
 }
@@ -392,7 +376,7 @@ fn what_is_missing_is_named() {
 fn notes_tell_what_a_policy_cannot_keep() {
     let mut one = demonstration(200, 2.0, |t| 0.3 * t);
     one.axes[0].stiffness = Some(vec![500.0; 201]);
-    let (_, imitated) = imitate(&Imitation::default(), &outline(), &[one]);
+    let (_, imitated) = imitate(&Imitation::default(), &Outline::default(), &[one]);
     let notes = imitated.notes.join("\n");
     assert!(notes.contains("stiffness from 500.0000 to 500.0000 is held within its bounds, 30 to 400"), "{notes}");
     assert!(notes.contains("demonstration 1 begins at 0.150 m/s on axis `x`"), "{notes}");
@@ -402,11 +386,11 @@ fn notes_tell_what_a_policy_cannot_keep() {
 #[test]
 fn an_axis_that_ends_at_its_start_is_scaled_by_its_range() {
     let one = demonstration(200, 2.0, |t| 0.1 * (PI * t).sin().powi(2));
-    let (task, imitated) = imitate(&unsmoothed(), &outline(), &[one]);
+    let (task, imitated) = imitate(&unsmoothed(), &Outline::default(), &[one]);
     assert!((imitated.policy.axes[0].movement.forcing_scale - 0.1).abs() < 1e-12);
     assert!(errors(&task, &imitated)[0] < 1e-4);
     let still = demonstration(200, 2.0, |_| 0.25);
-    let (task, imitated) = imitate(&Imitation::default(), &outline(), &[still]);
+    let (task, imitated) = imitate(&Imitation::default(), &Outline::default(), &[still]);
     assert!(errors(&task, &imitated)[0] < 1e-12, "an axis that never moves");
 }
 
@@ -414,7 +398,7 @@ fn an_axis_that_ends_at_its_start_is_scaled_by_its_range() {
 fn durations_and_rates_are_those_asked_for() {
     let demonstrations = [(1.9, 95), (2.1, 105)].map(|(duration, steps)| demonstration(steps, duration, minimum_jerk));
     let found = |duration, rate| {
-        let task = task(&Outline { duration, rate, ..outline() }, &demonstrations);
+        let task = task(&Outline { duration, rate, ..Outline::default() }, &demonstrations);
         (task.duration, task.steps())
     };
     assert_eq!(found(DurationFrom::Mean, None), (2.0, 100));

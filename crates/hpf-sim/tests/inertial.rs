@@ -1,7 +1,11 @@
 //! The law of second order in the simulator, against a fine solution of the continuous equations by other means.
 
+#[path = "solver/mixture.rs"]
+mod mixture;
+
 use hpf_learn::{Draws, Parameters, Problem};
 use hpf_sim::{AxisPolicy, GainPolicy, Policy, Simulation, Task, Trace};
+use mixture::mixture;
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
@@ -23,16 +27,6 @@ fn policy(task: &Task, size: f64) -> Policy {
         axis.damping.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 55.0 + 35.0 * (0.9 * i as f64).sin());
     }
     policy
-}
-
-fn mixture(s: f64, centers: &[f64], widths: &[f64], weights: &[f64]) -> f64 {
-    let (mut above, mut below) = (0.0, 0.0);
-    for ((c, h), w) in centers.iter().zip(widths).zip(weights) {
-        let psi = (-h * (s - c).powi(2)).exp();
-        above += w * psi;
-        below += psi;
-    }
-    above / below
 }
 
 /// Position and velocity of the tool at `samples` + 1 times by Runge-Kutta 4, `finer` steps between them; `load` is the

@@ -1,21 +1,15 @@
 //! The policy file: what it keeps to the bit, what it refuses, and that a control loop steps what the simulator rolls.
 
+mod waves;
+
 use hpf_sim::{Policy, PolicyError, Simulation, SimulationError, Task};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
 const REACH: &str = include_str!("../../../tasks/reach.toml");
 
-/// A policy with weights that have no short decimal form.
 fn policy(text: &str) -> Policy {
-    let mut policy = Policy::initial(&Task::parse(text).unwrap()).unwrap();
-    for (a, axis) in policy.axes.iter_mut().enumerate() {
-        let wave = |i: usize, speed: f64| (speed * i as f64 + a as f64).sin();
-        axis.movement.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 60.0 * wave(i, 1.1));
-        axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 200.0 + 150.0 * wave(i, 0.7));
-        axis.damping.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 50.0 + 35.0 * wave(i, 0.9));
-    }
-    policy
+    waves::policy(&Task::parse(text).unwrap())
 }
 
 fn bits(policy: &Policy) -> Vec<u64> {

@@ -56,6 +56,25 @@ pub struct Outline {
     pub via_points: usize,
 }
 
+impl Default for Outline {
+    /// What `hpf imitate` takes where it is told nothing: bounds of the gains as in the paper.
+    fn default() -> Self {
+        Self {
+            name: "demonstration".into(),
+            follow: Follow::Position,
+            duration: DurationFrom::Mean,
+            rate: None,
+            basis: 20,
+            decay: 100.0_f64.ln(),
+            alpha: hpf_core::movement::DEFAULT_ALPHA,
+            scaling: None,
+            stiffness: [100.0, 30.0, 400.0],
+            damping: [50.0, 10.0, 100.0],
+            via_points: 4,
+        }
+    }
+}
+
 /// Goal scaling carries where every axis ends at least this share of its range away from its start.
 const LEAST_TRAVEL: f64 = 0.1;
 

@@ -2,18 +2,10 @@
 //! (Runge-Kutta 4), beam and tool law (Radau IIA of two stages, third order and L-stable: the contact at the clamp
 //! relaxes within 1e-4 s). No kernel of the library is used. The end-to-end tests use it too.
 
-use hpf_sim::{AxisPolicy, GainPolicy, Policy};
+mod mixture;
 
-/// `sum_i w_i psi_i / sum_i psi_i`. The centers lie close: some psi is never small.
-fn mixture(s: f64, centers: &[f64], widths: &[f64], weights: &[f64]) -> f64 {
-    let (mut above, mut below) = (0.0, 0.0);
-    for ((c, h), w) in centers.iter().zip(widths).zip(weights) {
-        let psi = (-h * (s - c).powi(2)).exp();
-        above += w * psi;
-        below += psi;
-    }
-    above / below
-}
+use hpf_sim::{AxisPolicy, GainPolicy, Policy};
+use mixture::mixture;
 
 fn gain(s: f64, gain: &GainPolicy) -> f64 {
     mixture(s, &gain.centers, &gain.widths, &gain.weights)

@@ -1,8 +1,16 @@
-//! A rollout made by stepping the controller that a robot runs.
+//! Rollouts, and the same made by stepping the controller that a robot runs.
 
 use hpf_core::controller::{Controller, Input, Mode, Request, Settings};
 use hpf_core::limits::Limits;
-use hpf_sim::Policy;
+use hpf_sim::{Policy, Simulation, Task};
+
+/// The task in `text`, its policy before learning, and what makes its rollouts.
+pub fn prepared(text: &str) -> (Task, Policy, Simulation) {
+    let task = Task::parse(text).unwrap();
+    let policy = Policy::initial(&task).unwrap();
+    let simulation = Simulation::new(&task, &policy).unwrap();
+    (task, policy, simulation)
+}
 
 /// The commanded positions of both axes after every step [m].
 ///
