@@ -15,13 +15,14 @@ const ABOUT: &str = "\
 hpf benchmark --out docs --force     # writes this page, its figures and benchmarks.json
 ```
 
-No method is tuned to a task: each has its defaults, 20 rollouts per update, the `noise` of the task file and the same budget of
-motions, evaluations included; `auto` learns from signals where it can. A cell is the number of motions until an evaluation
-first cost no more than the level: median, and worst in brackets, over the seeds; `-` where that many seeds never did. The
-levels are part of the program: on the paper's tasks and dmpbbo's, round costs known from elsewhere; on the others, between what
-one seed of `pi2` or `auto` began and ended with. PI2 and its variants anneal over the whole budget, so they reach a
-level late that they would reach sooner in a shorter run. Seconds are of one thread, of the machine that ran the command
-with all its cores at work, and in proportion to motions within a run; everything else is the same on every machine.
+No method is tuned to a task: each has its defaults, 20 rollouts per update, the `noise` of the task file and the same
+budget of motions, evaluations included; `auto` learns from signals where it can. A cell is the number of motions until
+an evaluation first cost no more than the level: median, and worst in brackets, over the seeds; `-` where that many
+seeds never did. The levels are part of the program: on the paper's tasks and dmpbbo's, round costs known from
+elsewhere; on the others, between what one seed of `pi2` or `auto` began and ended with. PI2 and its variants anneal
+over the whole budget, so they reach a level late that they would reach sooner in a shorter run. Seconds are of one
+thread, of the machine that ran the command with all its cores at work, and in proportion to motions within a run;
+everything else is the same on every machine.
 ";
 
 /// The whole page, after `seconds` of work.
