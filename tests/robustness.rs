@@ -234,6 +234,9 @@ fn a_closed_stdout_breaks_no_command() {
     run(folder.path());
     for arguments in [
         &["--help"][..],
+        &["schema"],
+        &["completions", "bash"],
+        &["init", "reach", "--out", "-"],
         &["check", "run"],
         &["info", "run/log.mcap", "--json"],
         &["run", "run", "--json"],

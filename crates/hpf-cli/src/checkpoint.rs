@@ -1,7 +1,7 @@
 //! `checkpoint`: what learning was told so far, from which a run goes on to the same bytes.
 //!
 //! ```text
-//! hpf-checkpoint 2 hpf 0.1.0 task.toml=3f2a...\n     version of the file, of the program, SHA-256 of what the run began with
+//! hpf-checkpoint 2 hpf 0.1.0 task.toml=3f...\n  version of the file, of the program, SHA-256 of what the run began with
 //! length crc record, length crc record, ...    u32, u32 (CRC-32 of the record), postcard of `hpf_learn::Record`
 //! ```
 //! The file only grows, by one write for each batch of motions: nothing is written twice, whatever the size of the
@@ -59,8 +59,8 @@ impl Checkpoint {
         Ok(Self { file, path: path.to_owned(), buffer: Vec::new(), synced: Instant::now() })
     }
 
-    /// Opens the checkpoint of a run that began with `inputs`, hands each of its records to `take`, and cuts off what is damaged. Returns the
-    /// bytes cut off, too.
+    /// Opens the checkpoint of a run that began with `inputs`, hands each of its records to `take`, and cuts off what is
+    /// damaged. Returns the bytes cut off, too.
     ///
     /// # Errors
     /// [`Failure::Input`] for a file that is no checkpoint of this version and these inputs; what `take` says.

@@ -148,7 +148,7 @@ pub fn demonstrations(bytes: &[u8]) -> bool {
     }
 }
 
-/// A table: the header says which. Trajectories and demonstrations are those of a small task with two axes and a contact.
+/// A table: the header says which. Trajectories and demonstrations are of a small task with two axes and a contact.
 pub fn tables(bytes: &[u8]) -> bool {
     let Some(text) = text(bytes) else { return false };
     if let Ok(trace) = results::read_trajectory(&TABLE_TASK, text) {

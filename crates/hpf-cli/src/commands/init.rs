@@ -81,10 +81,9 @@ pub fn init(options: &Init, common: &Common) -> Result<Outcome, Failure> {
         _ => None,
     };
     if let Some(program) = &program {
-        let named = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = program.file_name().unwrap_or_default().to_string_lossy();
         let command = Value::from(program.display().to_string()).to_string();
-        text = text.replace(" point_mass.py", &format!(" {}", named(program)));
-        text = text.replace(&format!("{:?}", PROGRAM.0), &command);
+        text = text.replace(" point_mass.py", &format!(" {name}")).replace(&format!("{:?}", PROGRAM.0), &command);
     }
     deliver(common, Some(&default), text.as_bytes(), |file| {
         let file = file.display().to_string();
