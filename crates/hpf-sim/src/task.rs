@@ -286,7 +286,8 @@ pub struct CostWeights {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Output {
-    /// Updates whose trajectory is kept and drawn. Left out: the start, or nothing where a process makes the motions.
+    /// Updates whose trajectory is kept and drawn, as far as learning gets. Left out: the start, or nothing where a
+    /// process makes the motions.
     #[schemars(length(max = 100))]
     pub snapshots: Option<Vec<usize>>,
 }

@@ -458,9 +458,6 @@ impl Rules<'_, '_, '_> {
                     format!("update {update} is kept twice"),
                     "name each update once",
                 );
-            } else if learning.updates > 0 && update > learning.updates {
-                let help = format!("snapshots lie between 0 and learning.updates = {}", learning.updates);
-                self.say(&format!("output.snapshots.{i}"), format!("there is no update {update} to keep"), help);
             }
         }
     }
