@@ -126,10 +126,10 @@ fn learn_in<P: Problem>(
     interrupt::watch();
     let mut meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, quiet);
     let started = Instant::now();
-    let mut driver = Driver::new(problem);
+    let mut driver = Driver::new(problem, session);
     let mut broken = None;
-    while !(interrupt::is_asked() && session.is_evaluated()) {
-        let told = driver.step(&mut session);
+    while !(interrupt::is_asked() && driver.session().is_evaluated()) {
+        let told = driver.step();
         if let Some(why) = failure() {
             return Err(Failure::Work(why));
         }
@@ -155,7 +155,7 @@ fn learn_in<P: Problem>(
 
     let (failure, history) = match broken {
         Some((reason, history)) => (Some(reason), history),
-        None => (None, session.history()),
+        None => (None, driver.session().history()),
     };
     let Kept { rows, snapshots, .. } = kept;
     let run = Run::learned(loaded, start.clone(), simulation, &history.best, rows, snapshots);

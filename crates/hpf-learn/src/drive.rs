@@ -1,5 +1,7 @@
 //! The loop around a session: roll out in parallel what it asks for, tell it, show what was learned.
 
+use core::slice;
+
 use rayon::prelude::*;
 
 use crate::rollouts::Crew;
@@ -118,51 +120,91 @@ pub enum LearnError {
 }
 
 /// Makes the motions that a session asks for on the current rayon pool: the same numbers for any number of threads.
+///
+/// Where the problem allows it ([`Problem::may_run_ahead`]), the batch that is sure to follow an evaluation is made beside
+/// it. Its motions count once it is told: never, where nobody goes on after that evaluation.
 pub struct Driver<'p, P: Problem> {
     problem: &'p P,
-    workspace: P::Workspace,
+    session: Session,
     crew: Crew<P>,
+    /// Those of a batch.
     costs: Vec<Cost>,
     signals: Vec<Vec<f64>>,
+    /// How many of the costs are those of the batch asked for next, where it was made ahead.
+    ahead: Option<usize>,
+    evaluation: Evaluation<P>,
+}
+
+/// Rooms for a motion by itself.
+struct Evaluation<P: Problem> {
+    weights: Vec<f64>,
+    workspace: P::Workspace,
+    cost: Cost,
 }
 
 impl<'p, P: Problem> Driver<'p, P> {
-    /// For sessions of `problem`; its memory is reused from batch to batch.
-    pub fn new(problem: &'p P) -> Self {
-        Self { problem, workspace: problem.workspace(), crew: Crew::new(), costs: Vec::new(), signals: Vec::new() }
+    /// For `session`, wherever it stands, of `problem`; memory is reused from batch to batch.
+    pub fn new(problem: &'p P, session: Session) -> Self {
+        let evaluation = Evaluation { weights: Vec::new(), workspace: problem.workspace(), cost: Cost::default() };
+        let (crew, costs, signals) = (Crew::new(), Vec::new(), Vec::new());
+        Self { problem, session, crew, costs, signals, ahead: None, evaluation }
+    }
+
+    /// The session, told of every motion so far that it asked for.
+    pub fn session(&self) -> &Session {
+        &self.session
     }
 
     /// Makes the motions asked for next and tells them; `None` where learning is over.
     ///
     /// # Errors
     /// As for [`Session::tell`].
-    pub fn step(&mut self, session: &mut Session) -> Result<Option<Told>, LearnError> {
-        let Some(ask) = session.ask() else { return Ok(None) };
-        let count = ask.samples.len();
-        self.costs.resize_with(count.max(self.costs.len()), Cost::default);
-        self.signals.resize_with(count.max(self.signals.len()), Vec::new);
-        let (costs, signals) = (&mut self.costs[..count], &mut self.signals[..count]);
-        if ask.wants_signals {
-            costs.par_iter_mut().zip(&mut *signals).zip(&ask.samples).for_each_init(
-                || self.problem.workspace(),
-                |workspace, ((cost, signals), sample)| {
-                    self.problem.measure(ask.draws, *sample, workspace, cost, signals);
-                },
-            );
-        } else if let [sample] = ask.samples[..] {
-            self.problem.rollout(ask.draws, sample, &mut self.workspace, &mut costs[0]);
-        } else {
-            self.crew.roll_out(self.problem, ask.draws, &ask.samples, costs);
+    pub fn step(&mut self) -> Result<Option<Told>, LearnError> {
+        let Self { problem, session, crew, costs, signals, evaluation, .. } = self;
+        if let Some(count) = self.ahead.take() {
+            return session.tell(&costs[..count], &[]).map(Some);
         }
-        session.tell(costs, signals).map(Some)
+        let Some(ask) = session.ask() else { return Ok(None) };
+        let (draws, count) = (ask.draws, ask.samples.len());
+        if ask.wants_signals {
+            let (costs, signals) = (first(costs, count), first(signals, count));
+            costs.par_iter_mut().zip(&mut *signals).zip(&ask.samples).for_each_init(
+                || problem.workspace(),
+                |workspace, ((cost, signals), sample)| problem.measure(draws, *sample, workspace, cost, signals),
+            );
+            return session.tell(costs, signals).map(Some);
+        }
+        let [Parameters::Constant(weights)] = ask.samples[..] else {
+            let costs = first(costs, count);
+            crew.roll_out(*problem, draws, &ask.samples, costs);
+            return session.tell(costs, &[]).map(Some);
+        };
+        evaluation.weights.clear();
+        evaluation.weights.extend(weights);
+        let mut evaluate = || {
+            let Evaluation { weights, workspace, cost } = &mut *evaluation;
+            problem.rollout(draws, Parameters::Constant(weights), workspace, cost);
+        };
+        let begin_next = || {
+            let ask = session.ahead()?;
+            let count = ask.samples.len();
+            crew.roll_out(*problem, ask.draws, &ask.samples, first(costs, count));
+            Some(count)
+        };
+        if problem.may_run_ahead() {
+            self.ahead = rayon::join(begin_next, evaluate).0;
+        } else {
+            evaluate();
+        }
+        session.tell(slice::from_ref(&evaluation.cost), &[]).map(Some)
     }
 
     /// Goes on to the next evaluation; `None` where learning is over.
     ///
     /// # Errors
     /// As for [`Session::tell`].
-    pub fn advance(&mut self, session: &mut Session) -> Result<Option<Progress>, LearnError> {
-        while let Some(told) = self.step(session)? {
+    pub fn advance(&mut self) -> Result<Option<Progress>, LearnError> {
+        while let Some(told) = self.step()? {
             if told.progress.is_some() {
                 return Ok(told.progress);
             }
@@ -171,10 +213,16 @@ impl<'p, P: Problem> Driver<'p, P> {
     }
 }
 
+/// The first `count` rooms, made where there are fewer.
+fn first<T: Default>(rooms: &mut Vec<T>, count: usize) -> &mut [T] {
+    rooms.resize_with(count.max(rooms.len()), T::default);
+    &mut rooms[..count]
+}
+
 /// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
 ///
 /// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts`
-/// motions are made; every motion counts.
+/// motions are made; every motion counts, but for those made beside the evaluation that `observe` stops at ([`Driver`]).
 ///
 /// # Errors
 /// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
@@ -186,14 +234,14 @@ pub fn learn_with<P: Problem>(
     max_rollouts: Option<usize>,
     mut observe: impl FnMut(&Progress) -> bool,
 ) -> Result<History, LearnError> {
-    let mut session = Session::begin(problem, weights, method, max_rollouts)?;
-    let mut driver = Driver::new(problem);
-    while let Some(progress) = driver.advance(&mut session)? {
+    let session = Session::begin(problem, weights, method, max_rollouts)?;
+    let mut driver = Driver::new(problem, session);
+    while let Some(progress) = driver.advance()? {
         if !observe(&progress) {
             break;
         }
     }
-    Ok(session.history())
+    Ok(driver.session().history())
 }
 
 /// [`learn_with`] PI2.

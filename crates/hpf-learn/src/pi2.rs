@@ -313,9 +313,10 @@ impl Pi2 {
             credit,
             weights: &self.weights,
             batch,
+            costs,
             instructions: self.instructions,
         };
-        if !rooms.take(&inputs, costs) {
+        if !rooms.take(&inputs) {
             self.rooms = rooms;
             return Err(Pi2Error::AllRejected { update: self.update, rollouts: costs.len() });
         }

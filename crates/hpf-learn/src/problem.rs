@@ -123,6 +123,12 @@ pub trait Problem: Sync {
         1
     }
 
+    /// Whether a motion may be made before it is certain that it will be used, to keep all threads at work: where motions
+    /// are cheap and move nothing. The numbers are the same either way.
+    fn may_run_ahead(&self) -> bool {
+        false
+    }
+
     /// Makes one rollout and writes what it cost, the mean over `draws`. A rollout that failed costs NaN or infinity.
     fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
 

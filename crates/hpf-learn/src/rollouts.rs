@@ -24,7 +24,10 @@ impl<P: Problem> Crew<P> {
         let workspaces = &mut self.workspaces[..groups];
         if groups > 1 && rayon::current_num_threads() > 1 {
             let groups = costs.par_chunks_mut(together).zip(samples.par_chunks(together)).zip(workspaces);
-            groups.for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));
+            // Singly, for a thread does not give away half of what it has taken.
+            groups
+                .with_max_len(1)
+                .for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));
         } else {
             let groups = costs.chunks_mut(together).zip(samples.chunks(together)).zip(workspaces);
             groups.for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));

@@ -12,13 +12,15 @@
 //! A session is a function of its settings and of the [`Record`]s it was told: replayed, it is in the same state to the
 //! bit, for random numbers come from (seed, update, rollout) and not from a generator that runs along.
 
+mod replay;
+
 use crate::auto::{FallBack, Patience, on_roots, roots};
 use crate::drive::constant;
 use crate::elites::{choose, join};
 use crate::record::{Price, Record};
 use crate::{
     Batch, CmaEs, Cost, Draws, Elite, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
-    Problem, Progress, Settled, Stop,
+    Problem, Progress, Stop,
 };
 
 /// What to roll out next.
@@ -178,12 +180,27 @@ impl Session {
 
     /// What to roll out next; `None` where learning is over. The same until something is told.
     pub fn ask(&mut self) -> Option<Ask<'_>> {
+        if let Due::Batch = self.due {
+            return if self.over.is_none() { Some(self.ask_batch()) } else { None };
+        }
+        let weights = match &self.due {
+            Due::Evaluation { weights, .. } => weights,
+            _ => &self.history.initial.weights,
+        };
+        Some(Ask { draws: Draws::HeldOut, samples: vec![Parameters::Constant(weights)], wants_signals: false })
+    }
+
+    /// The batch asked for after the evaluation that is due, where it is the same whatever comes of that.
+    pub(crate) fn ahead(&mut self) -> Option<Ask<'_>> {
+        let is_evaluation = matches!(self.due, Due::Evaluation { .. });
+        let is_certain = is_evaluation && matches!(self.stage, Stage::Pi2(_) | Stage::CmaEs(_));
+        if is_certain && self.limit_after(self.motions).is_none() { Some(self.ask_batch()) } else { None }
+    }
+
+    fn ask_batch(&mut self) -> Ask<'_> {
         let room = self.room();
-        let (draws, samples, wants_signals) = match (&self.due, &self.stage) {
-            (Due::Start, _) => (Draws::HeldOut, vec![Parameters::Constant(&self.history.initial.weights)], false),
-            (Due::Evaluation { weights, .. }, _) => (Draws::HeldOut, vec![Parameters::Constant(weights)], false),
-            (Due::Batch, _) if self.over.is_some() => return None,
-            (Due::Batch, Stage::Pi2(learner) | Stage::Polish(learner, _)) => {
+        let (draws, samples, wants_signals) = match &self.stage {
+            Stage::Pi2(learner) | Stage::Polish(learner, _) => {
                 let batch = self.batch.get_or_insert_with(|| {
                     let mut batch = core::mem::take(&mut self.spare);
                     learner.ask_into(&mut batch);
@@ -192,20 +209,33 @@ impl Session {
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
                 (Draws::Update(learner.update()), samples, false)
             }
-            (Due::Batch, Stage::Signals(learner, fall_back)) => {
+            Stage::Signals(learner, fall_back) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
                 (Draws::Update(0), constant(&samples[..samples.len().min(room)]), fall_back.is_none())
             }
-            (Due::Batch, Stage::CmaEs(learner)) => (Draws::Update(learner.update()), constant(learner.ask()), false),
+            Stage::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
         };
-        Some(Ask { draws, samples, wants_signals })
+        Ask { draws, samples, wants_signals }
     }
 
     /// Rollouts that may yet be made for batches, at least one.
     fn room(&self) -> usize {
         let left = self.max_rollouts.saturating_sub(self.history.rollouts) / self.motions;
         left.saturating_sub(usize::from(self.is_judged())).max(1)
+    }
+
+    /// What forbids another batch, once so many more motions are made.
+    fn limit_after(&self, motions: usize) -> Option<Stop> {
+        let rollouts = if matches!(self.stage, Stage::Signals(..)) { 1 } else { self.rollouts };
+        let needed = (rollouts + usize::from(self.is_judged())) * self.motions;
+        if self.history.updates >= self.updates {
+            Some(Stop::Updates)
+        } else if self.history.rollouts + motions + needed > self.max_rollouts {
+            Some(Stop::Rollouts)
+        } else {
+            None
+        }
     }
 
     /// Whether the outcome of an update is rolled out once more.
@@ -293,183 +323,6 @@ impl Session {
         history.rollouts += self.rollouts * self.motions;
         history.rejected += self.rollouts;
         LearnError::Update { reason, history: Box::new(history) }
-    }
-
-    /// Goes where `record` led before; the records of a session in their order lead to where it was.
-    ///
-    /// # Errors
-    /// [`LearnError::WrongRecord`] where another problem or method was recorded; otherwise as for [`Session::tell`].
-    pub fn replay(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
-        if self.over.is_some() {
-            return Err(LearnError::WrongRecord);
-        }
-        let progress = match (core::mem::replace(&mut self.due, Due::Batch), record) {
-            (Due::Start, Record::Costs(prices)) => Some(self.started(prices.first().ok_or(LearnError::WrongRecord)?)?),
-            (Due::Evaluation { weights, exploration }, Record::Costs(prices)) => {
-                let price = prices.first().ok_or(LearnError::WrongRecord)?;
-                self.history.rollouts += self.motions;
-                Some(self.evaluated(weights, price, exploration))
-            }
-            (Due::Batch, record) => self.learned(record)?,
-            _ => return Err(LearnError::WrongRecord),
-        };
-        self.look_ahead();
-        Ok(progress)
-    }
-
-    fn started(&mut self, price: &Price) -> Result<Progress, LearnError> {
-        if !price.total.is_finite() {
-            return Err(LearnError::BadStart);
-        }
-        let initial = &mut self.history.initial;
-        self.history.rollouts += self.motions;
-        initial.rollouts = self.motions;
-        (initial.total, initial.terms) = (price.total, price.terms.clone());
-        self.history.best = initial.clone();
-        Ok(initial.clone())
-    }
-
-    /// Keeps an evaluation.
-    fn evaluated(&mut self, weights: Vec<f64>, price: &Price, exploration: f64) -> Progress {
-        let progress = self.progress(weights, price, exploration);
-        if progress.total < self.history.best.total {
-            self.history.best = progress.clone();
-        }
-        progress
-    }
-
-    fn progress(&self, weights: Vec<f64>, price: &Price, exploration: f64) -> Progress {
-        let History { updates: update, rollouts, .. } = self.history;
-        Progress { update, rollouts, total: price.total, terms: price.terms.clone(), exploration, weights }
-    }
-
-    /// Takes the record of a batch.
-    fn learned(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
-        self.batch = None;
-        match (&mut self.stage, record) {
-            (
-                Stage::Pi2(learner) | Stage::Polish(learner, _),
-                Record::Update { update, weights, spread, exploration, rejected, cheapest, elites },
-            ) => {
-                if [weights, spread].iter().any(|list| list.len() != learner.weights().len()) {
-                    return Err(LearnError::WrongRecord);
-                }
-                learner.restore(*update, weights, spread);
-                self.elites.clone_from(elites);
-                let weights = weights.clone();
-                self.history.rollouts += self.rollouts * self.motions;
-                self.history.rejected += rejected;
-                if let Stage::Polish(..) = self.stage {
-                    self.cheapest.clone_from(cheapest);
-                    return Ok(self.end_update(*exploration));
-                }
-                self.history.updates += 1;
-                self.due = Due::Evaluation { weights, exploration: *exploration };
-                Ok(None)
-            }
-            (Stage::Signals(..), Record::Signals { prices, signals }) => self.answered(prices, signals),
-            (Stage::CmaEs(learner), Record::Costs(prices)) => {
-                if prices.len() != learner.ask().len() {
-                    return Err(LearnError::WrongRecord);
-                }
-                let costs: Vec<f64> = prices.iter().map(|price| price.total).collect();
-                let (exploration, samples) = (learner.exploration(), learner.ask().to_vec());
-                let rejected = match learner.tell(&costs) {
-                    Ok(rejected) => rejected,
-                    Err(reason) => return Err(self.failed(reason)),
-                };
-                self.history.rejected += rejected;
-                self.history.rollouts += prices.len() * self.motions;
-                self.offer(&samples, prices);
-                Ok(self.end_update(exploration))
-            }
-            _ => Err(LearnError::WrongRecord),
-        }
-    }
-
-    /// Takes the record of a batch of Gauss-Newton.
-    fn answered(&mut self, prices: &[Price], signals: &[Vec<f64>]) -> Result<Option<Progress>, LearnError> {
-        let Stage::Signals(learner, _) = &self.stage else { return Err(LearnError::WrongRecord) };
-        let count = prices.len();
-        let fits = (1..=learner.ask().len()).contains(&count)
-            && signals.len() == count
-            && signals.iter().all(|signals| signals.len() == learner.signals());
-        if !fits {
-            return Err(LearnError::WrongRecord);
-        }
-        let samples = learner.ask()[..count].to_vec();
-        let initial = if self.history.rollouts == 0 { Some(self.started(&prices[0])?) } else { None };
-        self.history.rollouts += (count - usize::from(initial.is_some())) * self.motions;
-        self.offer(&samples, prices);
-        let Stage::Signals(learner, _) = &mut self.stage else { unreachable!("matched above") };
-        let (update, reach, was_coupled) = (learner.update(), learner.reach(), learner.is_coupled());
-        self.history.rejected += learner.tell(signals);
-        if learner.is_coupled() && !was_coupled {
-            self.history.notes.push(Note::Coupled);
-        }
-        let is_updated = learner.update() > update;
-        Ok(if is_updated { self.end_update(reach) } else { initial })
-    }
-
-    fn offer(&mut self, samples: &[Vec<f64>], prices: &[Price]) {
-        for (sample, price) in samples.iter().zip(prices).filter(|(_, price)| price.total.is_finite()) {
-            if self.cheapest.as_ref().is_none_or(|(_, best)| price.total < best.total) {
-                self.cheapest = Some((sample.clone(), price.clone()));
-            }
-        }
-    }
-
-    /// Ends an update whose motions are evaluations, or of which the cheapest is yet to be evaluated.
-    fn end_update(&mut self, exploration: f64) -> Option<Progress> {
-        self.history.updates += 1;
-        let (weights, price) = self.cheapest.take()?;
-        if self.motions > 1 {
-            self.due = Due::Evaluation { weights, exploration };
-            return None;
-        }
-        Some(self.evaluated(weights, &price, exploration))
-    }
-
-    /// Finds out whether a batch is to follow, and of what.
-    fn look_ahead(&mut self) {
-        if !matches!(self.due, Due::Batch) {
-            return;
-        }
-        if let Stage::Signals(learner, _) = &self.stage
-            && let Some(reason) = learner.settled()
-        {
-            self.settle(reason);
-        }
-        let best = self.history.best.total;
-        if let Stage::Polish(learner, patience) = &mut self.stage
-            && patience.count(learner.update(), best)
-        {
-            self.over = Some(Stop::Settled(Settled::NothingImproves));
-        }
-        if self.over.is_none() {
-            let rollouts = if matches!(self.stage, Stage::Signals(..)) { 1 } else { self.rollouts };
-            let motions = (rollouts + usize::from(self.is_judged())) * self.motions;
-            if self.history.updates >= self.updates {
-                self.over = Some(Stop::Updates);
-            } else if self.history.rollouts + motions > self.max_rollouts {
-                self.over = Some(Stop::Rollouts);
-            }
-        }
-    }
-
-    /// Ends learning from signals, or hands over to PI2.
-    fn settle(&mut self, reason: Settled) {
-        self.history.best = self.history().best;
-        self.cheapest = None;
-        let Stage::Signals(learner, fall_back) = &self.stage else { return };
-        let Some(fall_back) = fall_back else {
-            self.over = Some(Stop::Settled(reason));
-            return;
-        };
-        let is_negative = self.history.updates == 0 && reason == Settled::NoSignals;
-        self.history.notes.push(if is_negative { Note::NegativeCosts } else { Note::FellBack(reason) });
-        let polish = fall_back.polish(learner, self.history.best.weights.clone());
-        self.stage = Stage::Polish(Box::new(polish), Patience::new(self.history.best.total));
     }
 
     /// What has been learned so far; [`Stop::Asked`] where learning could go on.

@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
     AutoOptions, Block, CmaEsOptions, Cost, Covariance, Draws, Driver, Exploration, GaussNewtonOptions, LearnError,
-    Method, Parameters, Pi2Options, Problem, Record, Session, SignalGroup, SignalModel, Stop, learn_with,
+    Method, Parameters, Pi2Options, Problem, Record, Session, SignalGroup, SignalModel, Stop, Told, learn_with,
 };
 
 const STEPS: usize = 6;
@@ -17,6 +17,9 @@ struct Bent {
     model: Option<SignalModel>,
     draws: usize,
     made: AtomicUsize,
+    runs_ahead: bool,
+    /// Whether some motions fail, and all of the fifth batch.
+    fails: bool,
 }
 
 impl Bent {
@@ -39,7 +42,13 @@ impl Bent {
             model: has_signals.then_some(model),
             draws,
             made: AtomicUsize::new(0),
+            runs_ahead: true,
+            fails: false,
         }
+    }
+
+    fn made(&self) -> usize {
+        self.made.load(Ordering::SeqCst)
     }
 
     fn signals_at(&self, draws: Draws, w: &[f64], draw: usize) -> Vec<f64> {
@@ -85,8 +94,13 @@ impl Problem for Bent {
                 0.5 * (0..self.draws).map(square).sum::<f64>() / self.draws as f64
             })
             .collect();
-        cost.terminal = 0.0;
+        let is_bad = draws == Draws::Update(4) || parameters.at(0)[0].to_bits().is_multiple_of(5);
+        cost.terminal = if self.fails && is_bad { f64::NAN } else { 0.0 };
         cost.terms = vec![cost.total()];
+    }
+
+    fn may_run_ahead(&self) -> bool {
+        self.runs_ahead
     }
 
     fn signals(&self) -> Option<&SignalModel> {
@@ -124,12 +138,13 @@ fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
         for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
             let problem = Bent::new(has_signals, draws);
             let begin = || Session::begin(&problem, vec![0.1; 2 * COUNT], &method, Some(1500)).unwrap();
-            let mut driver = Driver::new(&problem);
-            let (mut session, mut records, mut seen) = (begin(), Vec::new(), Vec::new());
-            while let Some(told) = driver.step(&mut session).unwrap() {
+            let mut driver = Driver::new(&problem, begin());
+            let (mut records, mut seen) = (Vec::new(), Vec::new());
+            while let Some(told) = driver.step().unwrap() {
                 records.push(told.record);
                 seen.push(told.progress);
             }
+            let mut session = driver.session().clone();
             assert!(session.is_over() && session.ask().is_none());
             assert!(records.len() > 8, "{method:?}: {}", records.len());
             for point in 0..=records.len() {
@@ -139,12 +154,13 @@ fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
                 }
                 // Wherever it may stop, there is something to keep.
                 assert!(!again.is_evaluated() || again.history().best.total.is_finite(), "{method:?} at {point}");
+                let mut driver = Driver::new(&problem, again);
                 for (record, progress) in records[point..].iter().zip(&seen[point..]) {
-                    let told = driver.step(&mut again).unwrap().unwrap();
+                    let told = driver.step().unwrap().unwrap();
                     assert_eq!((&told.record, &told.progress), (record, progress), "{method:?} from {point}");
                 }
-                assert_eq!(driver.step(&mut again), Ok(None));
-                assert_eq!(again.history(), session.history());
+                assert_eq!(driver.step(), Ok(None));
+                assert_eq!(driver.session().history(), session.history());
             }
         }
     }
@@ -157,12 +173,67 @@ fn every_motion_of_every_draw_counts_and_none_is_made_beyond_the_limit() {
             for allowed in [40, 41, 77, 100] {
                 let problem = Bent::new(has_signals, draws);
                 let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(allowed), |_| true).unwrap();
-                let made = problem.made.load(Ordering::SeqCst);
+                let made = problem.made();
                 assert_eq!(history.rollouts, made, "{method:?}, {draws} draws");
                 assert!(made <= allowed && (made > allowed / 3 || history.stop != Stop::Rollouts), "{made}/{allowed}");
                 assert!(history.best.rollouts <= made && history.best.total <= history.initial.total);
             }
         }
+    }
+}
+
+/// All that is told, and how it ends, on so many threads; the motions made.
+fn run(problem: &Bent, method: &Method, allowed: usize, threads: usize) -> (Vec<Told>, String, usize) {
+    let session = Session::begin(problem, vec![0.1; 2 * COUNT], method, Some(allowed)).unwrap();
+    let (mut driver, mut all) = (Driver::new(problem, session), Vec::new());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let end = pool.install(|| {
+        loop {
+            match driver.step() {
+                Ok(Some(told)) => all.push(told),
+                Ok(None) => break format!("{:?}", driver.session().history()),
+                Err(error) => break format!("{error:?}"),
+            }
+        }
+    });
+    (all, end, problem.made())
+}
+
+#[test]
+fn a_batch_made_beside_the_evaluation_before_it_changes_nothing() {
+    let (mut failed, mut unpriced) = (0, 0);
+    for (draws, fails) in [(1, false), (3, false), (1, true), (3, true)] {
+        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
+            let problem = |runs_ahead| Bent { runs_ahead, fails, ..Bent::new(has_signals, draws) };
+            // The limit falls before, within and after an update.
+            for allowed in [36, 37, 38, 40, 77, 1000] {
+                let (told, end, made) = run(&problem(false), &method, allowed, 1);
+                failed += usize::from(end.contains("AllRejected"));
+                unpriced += told.iter().filter_map(|told| told.progress.as_ref()).filter(|p| p.total.is_nan()).count();
+                for threads in [1, 2, 7] {
+                    // Not as numbers, for NaN is not itself.
+                    let ahead = run(&problem(true), &method, allowed, threads);
+                    assert_eq!((format!("{:?}", ahead.0), ahead.1, ahead.2), (format!("{told:?}"), end.clone(), made));
+                }
+            }
+        }
+    }
+    assert!(failed > 0 && unpriced > 0, "batches and evaluations failed: {failed}, {unpriced}");
+}
+
+#[test]
+fn motions_made_ahead_do_not_count_where_nobody_goes_on() {
+    let method = methods()[0].0;
+    for last in 0..4 {
+        let learned = |runs_ahead| {
+            let problem = Bent { runs_ahead, ..Bent::new(false, 1) };
+            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, |p| p.update < last).unwrap();
+            (history, problem.made())
+        };
+        let ((history, made), (ahead, made_ahead)) = (learned(false), learned(true));
+        assert_eq!((&ahead, ahead.rollouts, ahead.stop), (&history, made, Stop::Asked));
+        // One batch of five follows each evaluation of an update.
+        assert_eq!(made_ahead, made + if last > 0 { 5 } else { 0 });
     }
 }
 

@@ -81,6 +81,19 @@ fn learning(criterion: &mut Criterion) {
             bencher.iter(|| pool.install(|| learn(&simulation, policy.weights(), options, None, |_| true).unwrap()));
         });
     }
+    // What the machine allows at most: two threads that have nothing to do with each other.
+    let (task, policy, simulation) = prepared(CANTILEVER);
+    let options = Pi2Options { updates: 30, rollouts: 64, ..task.learning.pi2_options() };
+    let pools = [1, 1].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
+    group.bench_function("cantilever, 30 updates x 64 rollouts, twice side by side", |bencher| {
+        let run = || learn(&simulation, policy.weights(), options, None, |_| true).unwrap();
+        bencher.iter(|| {
+            std::thread::scope(|scope| {
+                let other = scope.spawn(|| pools[0].install(run));
+                (pools[1].install(run), other.join().unwrap())
+            })
+        });
+    });
     group.finish();
 }
 

@@ -35,6 +35,10 @@ impl Problem for Simulation {
         self.task.draws()
     }
 
+    fn may_run_ahead(&self) -> bool {
+        true
+    }
+
     fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Workspace, cost: &mut Cost) {
         self.roll_draws(draws, &[parameters], workspace, slice::from_mut(cost));
     }

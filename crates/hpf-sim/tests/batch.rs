@@ -2,7 +2,9 @@
 
 mod stepped;
 
-use hpf_learn::{Batch, Cost, Draws, Exploration, Parameters, Pi2, Pi2Options, Problem, learn};
+use hpf_learn::{
+    Batch, CmaEsOptions, Cost, Draws, Driver, Exploration, Method, Parameters, Pi2, Pi2Options, Problem, Session, learn,
+};
 use hpf_sim::environment::disturbance::Side;
 use hpf_sim::{Policy, Simulation, Task};
 use stepped::{prepared, stepped};
@@ -136,6 +138,31 @@ fn a_task_is_learned_to_the_same_bits_by_any_number_of_threads_and_in_any_instru
                 assert_eq!(weights(threads, &simulation), expected, "{}, {threads} threads", task.name);
             }
             assert_eq!(weights(2, &simulation.clone().portable()), expected, "{}, portable", task.name);
+        }
+    }
+}
+
+#[test]
+fn batches_made_ahead_are_those_asked_for_one_by_one() {
+    for text in [SHIPPED[0], include_str!("../../../tasks/via_point_stochastic.toml")] {
+        let (task, policy, simulation) = prepared(text);
+        let pi2 = Method::Pi2(Pi2Options { rollouts: 12, updates: 4, ..task.learning.pi2_options() });
+        let cma_es = Method::CmaEs(CmaEsOptions { rollouts: 12, updates: 4, seed: 5 });
+        for method in [pi2, cma_es] {
+            let begin = || Session::begin(&simulation, policy.weights(), &method, None).unwrap();
+            let (mut session, mut records) = (begin(), Vec::new());
+            while let Some(ask) = session.ask() {
+                let mut costs = vec![Cost::default(); ask.samples.len()];
+                simulation.rollouts(ask.draws, &ask.samples, &mut simulation.workspace(), &mut costs);
+                records.push(session.tell(&costs, &[]).unwrap().record);
+            }
+            for threads in [1, 2, 7] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let mut driver = Driver::new(&simulation, begin());
+                let told = || pool.install(|| driver.step()).unwrap().map(|told| told.record);
+                assert!(core::iter::from_fn(told).eq(records.iter().cloned()), "{}, {threads} threads", task.name);
+                assert_eq!(driver.session().history(), session.history());
+            }
         }
     }
 }

@@ -6,7 +6,10 @@
 //! projected:  along_t = phi_t . (P E)_t,  [dw]_j = sum_t a_{t,j} phi_{t,j} along_t      else  [dw]_j = sum_t a_{t,j} (P E)_{t,j}
 //! ```
 //! Steps are worked on in stretches of [`STRETCH`], in parallel, and the stretches' sums added in their order: the same
-//! bits for any number of threads.
+//! bits for any number of threads. Costs to go run from the last step to the first, through all stretches: they are summed
+//! up twice, at first for the stretches' starts alone, so that little is handed from thread to thread.
+
+use core::ops::Range;
 
 use hpf_core::{Lanes, Real};
 use pulp::NullaryFnOnce;
@@ -18,6 +21,8 @@ use crate::{Block, Cost, Temperature};
 
 /// Steps that one thread works on at a time.
 const STRETCH: usize = 64;
+/// Costs of steps from which on threads share in summing them up.
+const SUMMED_IN_PARALLEL: usize = 5000;
 /// Steps whose products are made together: a number of the exploration is read once for all of them.
 const TILE: usize = 4;
 
@@ -44,7 +49,7 @@ struct Place {
 }
 
 impl Place {
-    fn packs(&self) -> core::ops::Range<usize> {
+    fn packs(&self) -> Range<usize> {
         self.pack..self.pack + packs(self.count)
     }
 }
@@ -103,7 +108,8 @@ impl Bases {
 pub(super) struct Rooms {
     /// Rollouts whose costs are finite.
     pub(super) kept: Vec<usize>,
-    /// S, then P, of the kept rollouts: steps x packs, or one row where all steps share it.
+    /// S of the kept rollouts at the start of each stretch: packs x stretches. Where all steps share it P, a number for
+    /// each rollout.
     table: Vec<[f64; LANES]>,
     /// E of parameters that are constant over a rollout: kept x width.
     exploration: Vec<Pack>,
@@ -117,6 +123,8 @@ struct Stretch {
     change: Vec<Pack>,
     /// E of one step, where it changes with the steps.
     exploration: Vec<Pack>,
+    /// S, then P, of its steps: steps x packs.
+    shares: Vec<[f64; LANES]>,
     order: Vec<usize>,
 }
 
@@ -129,42 +137,70 @@ pub(super) struct Inputs<'a> {
     pub(super) credit: Credit,
     pub(super) weights: &'a [f64],
     pub(super) batch: &'a Batch,
+    pub(super) costs: &'a [Cost],
     pub(super) instructions: pulp::Arch,
+}
+
+impl Inputs<'_> {
+    /// Stretches that have an S of their own.
+    fn rows(&self) -> usize {
+        if self.credit == Credit::ToGo { self.steps.div_ceil(STRETCH) } else { 1 }
+    }
+
+    /// What the ends of a pack of rollouts cost; lanes behind the last repeat the first of theirs.
+    #[inline(always)]
+    fn terminal(&self, kept: &[usize]) -> Pack {
+        Lanes(core::array::from_fn(|lane| self.costs[*kept.get(lane).unwrap_or(&kept[0])].terminal))
+    }
+
+    /// Adds the costs of a pack of rollouts to `to_go`, the last of `steps` first, and hands out what each step comes to.
+    #[inline(always)]
+    fn sum_back(&self, kept: &[usize], steps: Range<usize>, to_go: &mut Pack, mut take: impl FnMut(usize, Pack)) {
+        let lane = |lane: usize| &self.costs[*kept.get(lane).unwrap_or(&kept[0])].running[steps.clone()];
+        let running: [&[f64]; LANES] = core::array::from_fn(lane);
+        let mut sum = *to_go;
+        for t in (0..steps.len()).rev() {
+            sum += Lanes(running.map(|running| running[t]));
+            take(t, sum);
+        }
+        *to_go = sum;
+    }
 }
 
 impl Rooms {
     /// Notes which costs are finite and sums them up over the steps; `false` where none is finite.
-    pub(super) fn take(&mut self, inputs: &Inputs<'_>, costs: &[Cost]) -> bool {
+    pub(super) fn take(&mut self, inputs: &Inputs<'_>) -> bool {
         self.kept.clear();
-        self.kept.extend(0..costs.len());
-        self.sum_up(inputs, costs);
+        self.kept.extend(0..inputs.costs.len());
+        self.sum_up(inputs);
         // A sum that has become infinite or NaN stays so: the last one tells of all.
-        let table = &self.table;
-        let is_finite = |k: &usize| table.get(k / LANES).is_some_and(|pack| pack[k % LANES].is_finite());
+        let (table, rows) = (&self.table, inputs.rows());
+        let is_finite = |k: &usize| table.get(k / LANES * rows).is_some_and(|pack| pack[k % LANES].is_finite());
         if !self.kept.iter().all(is_finite) {
             self.kept.retain(is_finite);
-            self.sum_up(inputs, costs);
+            self.sum_up(inputs);
         }
         !self.kept.is_empty()
     }
 
-    /// S of the kept rollouts: the cost to go of every step, or the total in one row.
-    fn sum_up(&mut self, inputs: &Inputs<'_>, costs: &[Cost]) {
-        let (steps, width) = (inputs.steps, packs(self.kept.len()));
-        let rows = if inputs.credit == Credit::ToGo { steps } else { 1 };
-        self.table.clear();
-        self.table.resize(rows * width, [0.0; LANES]);
-        for (pack, kept) in self.kept.chunks(LANES).enumerate() {
-            // Lanes behind the last rollout repeat the first of theirs.
-            let own: [&Cost; LANES] = core::array::from_fn(|lane| &costs[*kept.get(lane).unwrap_or(&kept[0])]);
-            let running = own.map(|cost| &cost.running[..steps]);
-            let mut to_go = Lanes(own.map(|cost| cost.terminal));
-            for t in (0..steps).rev() {
-                to_go += Lanes(running.map(|running| running[t]));
-                if rows > 1 || t == 0 {
-                    self.table[t * width + pack] = to_go.0;
-                }
+    /// S of the kept rollouts at the start of each stretch.
+    fn sum_up(&mut self, inputs: &Inputs<'_>) {
+        let Self { kept, table, .. } = self;
+        let rows = inputs.rows();
+        let span = if rows > 1 { STRETCH } else { inputs.steps };
+        table.resize(rows * packs(kept.len()), [0.0; LANES]);
+        let sum_up = |(sums, kept): (&mut [[f64; LANES]], &[usize])| {
+            let mut to_go = inputs.terminal(kept);
+            for (row, sum) in sums.iter_mut().enumerate().rev() {
+                let start = row * span;
+                inputs.sum_back(kept, start..inputs.steps.min(start + span), &mut to_go, |_, _| ());
+                *sum = to_go.0;
             }
+        };
+        if kept.len() * inputs.steps >= SUMMED_IN_PARALLEL && rayon::current_num_threads() > 1 {
+            table.par_chunks_mut(rows).zip(kept.par_chunks(LANES)).for_each(sum_up);
+        } else {
+            table.chunks_mut(rows).zip(kept.chunks(LANES)).for_each(sum_up);
         }
     }
 
@@ -177,38 +213,21 @@ impl Rooms {
             softmax(&mut Costs { packs: table, count }, inputs.temperature, &mut order);
             stretches[0].order = order;
         }
-        exploration.clear();
         if batch.rows == 1 {
             exploration.resize(count * bases.width, Pack::ZERO);
             for (&k, row) in kept.iter().zip(exploration.chunks_exact_mut(bases.width)) {
                 bases.pack_difference(batch.sample(k).at(0), inputs.weights, row);
             }
         }
-        let (kept, exploration) = (kept.as_slice(), exploration.as_slice());
+        let (kept, table, exploration) = (kept.as_slice(), table.as_slice(), exploration.as_slice());
         let stretches = stretches_of(stretches, inputs.steps.div_ceil(STRETCH));
-        let work = |(index, stretch, table): (usize, &mut Stretch, Table<'_>)| {
-            let first = index * STRETCH;
-            let steps = first..(first + STRETCH).min(inputs.steps);
-            inputs.instructions.dispatch(Work { inputs, kept, exploration, steps, stretch, table });
+        let work = |(index, stretch): (usize, &mut Stretch)| {
+            inputs.instructions.dispatch(Work { inputs, kept, table, exploration, index, stretch });
         };
-        let width = packs(count);
-        let is_parallel = stretches.len() > 1 && rayon::current_num_threads() > 1;
-        match (inputs.credit, is_parallel) {
-            (Credit::ToGo, true) => {
-                let tables = table.par_chunks_mut(STRETCH * width).map(Table::Costs);
-                stretches.par_iter_mut().enumerate().zip(tables).for_each(|((i, s), table)| work((i, s, table)));
-            }
-            (Credit::ToGo, false) => {
-                let tables = table.chunks_mut(STRETCH * width).map(Table::Costs);
-                stretches.iter_mut().enumerate().zip(tables).for_each(|((i, s), table)| work((i, s, table)));
-            }
-            (Credit::Total, true) => {
-                let table = table.as_slice();
-                stretches.par_iter_mut().enumerate().for_each(|(i, s)| work((i, s, Table::Shared(table))));
-            }
-            (Credit::Total, false) => {
-                stretches.iter_mut().enumerate().for_each(|(i, s)| work((i, s, Table::Shared(table))));
-            }
+        if stretches.len() > 1 && rayon::current_num_threads() > 1 {
+            stretches.par_iter_mut().enumerate().with_max_len(1).for_each(work);
+        } else {
+            stretches.iter_mut().enumerate().for_each(work);
         }
         let (first, rest) = stretches.split_first_mut().expect("a rollout has a step");
         for stretch in rest {
@@ -232,22 +251,14 @@ fn stretches_of(stretches: &mut Vec<Stretch>, count: usize) -> &mut [Stretch] {
     &mut stretches[..count]
 }
 
-/// The weights of the rollouts in a stretch of steps.
-enum Table<'a> {
-    /// Still costs, a row per step.
-    Costs(&'a mut [[f64; LANES]]),
-    /// One row for all steps.
-    Shared(&'a [[f64; LANES]]),
-}
-
 /// One stretch, for compilation in every set of instructions.
 struct Work<'a> {
     inputs: &'a Inputs<'a>,
     kept: &'a [usize],
+    table: &'a [[f64; LANES]],
     exploration: &'a [Pack],
-    steps: core::ops::Range<usize>,
+    index: usize,
     stretch: &'a mut Stretch,
-    table: Table<'a>,
 }
 
 impl NullaryFnOnce for Work<'_> {
@@ -255,21 +266,28 @@ impl NullaryFnOnce for Work<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { inputs, kept, exploration, steps, stretch, table } = self;
-        let Stretch { change, exploration: own, order } = stretch;
+        let Self { inputs, kept, table, exploration, index, stretch } = self;
+        let Stretch { change, exploration: own, shares, order } = stretch;
         let (bases, width) = (inputs.bases, packs(kept.len()));
-        let (table, pitch): (&[[f64; LANES]], usize) = match table {
-            Table::Costs(table) => {
-                for packs in table.chunks_exact_mut(width) {
+        let first = index * STRETCH;
+        let steps = first..inputs.steps.min(first + STRETCH);
+        let (shares, pitch): (&[[f64; LANES]], usize) = match inputs.credit {
+            Credit::ToGo => {
+                shares.resize(steps.len() * width, [0.0; LANES]);
+                for (pack, (kept, starts)) in kept.chunks(LANES).zip(table.chunks(inputs.rows())).enumerate() {
+                    let mut to_go = starts.get(index + 1).map_or_else(|| inputs.terminal(kept), |next| Lanes(*next));
+                    inputs.sum_back(kept, steps.clone(), &mut to_go, |t, sum| shares[t * width + pack] = sum.0);
+                }
+                for packs in shares.chunks_exact_mut(width) {
                     softmax(&mut Costs { packs, count: kept.len() }, inputs.temperature, order);
                 }
-                (table, width)
+                (shares, width)
             }
-            Table::Shared(table) => (table, 0),
+            Credit::Total => (table, 0),
         };
         change.clear();
         change.resize(bases.width, Pack::ZERO);
-        let weights_of = |t: usize| &table[(t - steps.start) * pitch..][..width].as_flattened()[..kept.len()];
+        let weights_of = |t: usize| &shares[(t - steps.start) * pitch..][..width].as_flattened()[..kept.len()];
         if inputs.batch.rows == 1 {
             let whole = steps.start + (steps.len() / TILE) * TILE;
             for t in (steps.start..whole).step_by(TILE) {
