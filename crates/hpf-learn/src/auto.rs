@@ -67,7 +67,7 @@ impl core::fmt::Display for Note {
 /// A learner on the roots of the costs of `steps` steps.
 pub(crate) fn on_roots(blocks: &[Block], steps: usize, weights: Vec<f64>, options: AutoOptions) -> GaussNewton {
     let whole = SignalGroup { parameters: 0..weights.len(), signals: 0..steps + 1 };
-    let model = SignalModel { groups: vec![whole], price: vec![Vec::new(); blocks.len()] };
+    let model = SignalModel { groups: vec![whole], price: vec![Vec::new(); blocks.len()], distances: Vec::new() };
     GaussNewton::new(blocks, &model, weights, options.signals()).without_shrinking()
 }
 

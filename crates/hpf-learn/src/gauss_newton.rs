@@ -1,13 +1,13 @@
 //! Learning from signals: Gauss-Newton on what rollouts measure, as ask and tell.
 //!
-//! The cost is `J = 1/2 |rho(w)|^2 + price(w)`, rho the weighted signals of a rollout ([`SignalModel`]). No model of
+//! The cost is `J = 1/2 |rho(w)|^2 + distances + price(w)`, of the signals of a rollout ([`SignalModel`]). No model of
 //! robot or environment: the response of rho to w is learned from rollouts, stage by stage.
 //! 1. **Look**: the start twice, for the noise (four times more where there is any), and each group of parameters
 //!    moved alone: signals of other groups that answer show a coupling, and all groups become one.
 //! 2. **Bend**: each block moved by one unit and by half of it, and each pair: how far from linear it answers.
 //! 3. **Columns**: each parameter moved alone, in all groups at once.
 //! 4. **Try**: Levenberg-Marquardt steps of several dampings. **Correct**: from where they led, the model steps again,
-//!    which takes back what bending cost. The cheapest of these becomes the base if it is cheaper, group by group.
+//!    which takes back what bending cost. The cheapest of these becomes the base if it is cheaper, group by group where no distance joins them.
 //! 5. Where three rounds in a row gain next to nothing, 3 again; where that does not help either, 2 and 3 with smaller
 //!    perturbations; where those do not help or noise would hide them, learning ends.
 //!
@@ -20,13 +20,16 @@
 use rand::RngExt as _;
 
 use crate::noise::stream;
-use crate::response::{Point, Response, bend_plan};
+use crate::response::{Point, Response, Rollout, bend_plan};
+use crate::step::{Step, step};
 use crate::{Block, SignalGroup, SignalModel};
 
 /// Dampings tried in a round, times the current one.
 const TRIALS: [f64; 3] = [0.1, 1.0, 10.0];
-/// Corrections made in a round: from the trials the model expects most of.
+/// Corrections made in a round at most: from the trials the model expects most of.
 const CORRECTIONS: usize = 2;
+/// Corrections of which the model expects a smaller share of the cost than this are not made.
+const LEAST_CORRECTION: f64 = 1e-4;
 /// Change of the damping when a correction was the cheapest.
 const AFTER_CORRECTION: f64 = 0.3;
 /// Change of the damping when nothing was cheaper.
@@ -105,6 +108,7 @@ enum Stage {
 /// let model = SignalModel {
 ///     groups: vec![SignalGroup { parameters: 0..2, signals: 0..2 }],
 ///     price: vec![vec![], vec![]],
+///     distances: vec![],
 /// };
 /// let mut learner = GaussNewton::new(&[block("a"), block("b")], &model, vec![1.0, 1.0], GaussNewtonOptions::default());
 /// while learner.settled().is_none() {
@@ -119,7 +123,7 @@ pub struct GaussNewton {
     model: SignalModel,
     options: GaussNewtonOptions,
     groups: Vec<Response>,
-    /// lambda of each group.
+    /// lambda of each party.
     damping: Vec<f64>,
     /// Ways of the perturbations, one sign per parameter.
     signs: Vec<f64>,
@@ -291,8 +295,9 @@ impl GaussNewton {
         let is_look = |i: usize| i < 2 || i >= 2 + alone;
         let looks: Vec<&Rollout> =
             told.iter().enumerate().filter(|(i, rollout)| is_look(*i) && rollout.is_finite()).map(|(_, r)| r).collect();
+        let mean = Rollout::mean(&looks);
         let settle = |group: &mut Response| {
-            group.settle(&looks.iter().map(|look| look.of(group)).collect::<Vec<_>>());
+            group.settle(mean.of(group), &looks.iter().map(|look| look.of(group)).collect::<Vec<_>>());
         };
         self.groups.iter_mut().for_each(settle);
         let change =
@@ -381,53 +386,79 @@ impl GaussNewton {
         }
     }
 
+    /// Groups that share a cost, whose steps are found and judged together: all where there are distances.
+    fn party(&self) -> usize {
+        if self.model.distances.is_empty() { 1 } else { self.groups.len().max(1) }
+    }
+
+    /// The step of each party from `rollout`, or from the base, with `factor` times its damping.
+    fn steps(&self, rollout: Option<&Rollout>, factor: f64) -> Vec<Option<Step>> {
+        let from = |group: &Response| rollout.map_or_else(|| group.base.clone(), |rollout| rollout.of(group));
+        let parties = self.groups.chunks(self.party()).zip(&self.damping);
+        let steps = parties.map(|(groups, damping)| {
+            let from: Vec<Point> = groups.iter().map(from).collect();
+            let is_finite = from.iter().all(|point| point.cost.is_finite());
+            if is_finite { step(groups, &self.model.distances, &from, damping * factor) } else { None }
+        });
+        steps.collect()
+    }
+
+    /// All parameters, of each party those of its step or of the base.
+    fn landing(&self, steps: Vec<Option<Step>>) -> Vec<f64> {
+        let parties = self.groups.chunks(self.party()).zip(steps);
+        let stay = |groups: &[Response]| groups.iter().map(|group| group.base.weights.clone()).collect();
+        let landed =
+            |(groups, step): (&[Response], Option<Step>)| step.map_or_else(|| stay(groups), |step| step.weights);
+        parties.flat_map(landed).flatten().collect()
+    }
+
     fn plan_trials(&mut self) {
-        let step = |a: usize, group: &Response, factor: f64| {
-            group.step(&group.base, self.damping[a] * factor).map_or_else(|| group.base.weights.clone(), |step| step.0)
-        };
-        self.queue = TRIALS.map(|factor| self.sample(|a, group| step(a, group, factor))).to_vec();
+        self.queue = TRIALS.map(|factor| self.landing(self.steps(None, factor))).to_vec();
         self.stage = Stage::Try;
     }
 
     fn tried(&mut self, told: Vec<Rollout>) {
-        let plans: Vec<Vec<Vec<f64>>> = self
-            .groups
-            .iter()
-            .zip(&self.damping)
-            .map(|(group, damping)| {
-                let steps = told.iter().zip(TRIALS).filter_map(|(rollout, factor)| {
-                    let from = rollout.of(group);
-                    if from.cost.is_finite() { group.step(&from, damping * factor) } else { None }
-                });
-                let mut steps: Vec<(Vec<f64>, f64)> = steps.collect();
-                steps.sort_by(|a, b| a.1.total_cmp(&b.1));
-                steps.into_iter().map(|step| step.0).collect()
-            })
-            .collect();
-        let plan = |a: usize, group: &Response, i: usize| plans[a].get(i).unwrap_or(&group.base.weights).clone();
-        self.queue = (0..CORRECTIONS).map(|i| self.sample(|a, group| plan(a, group, i))).collect();
-        self.kept = told;
-        self.stage = Stage::Correct;
+        let mut plans: Vec<Vec<Step>> = self.damping.iter().map(|_| Vec::new()).collect();
+        for (rollout, factor) in told.iter().zip(TRIALS) {
+            for (plan, step) in plans.iter_mut().zip(self.steps(Some(rollout), factor)) {
+                plan.extend(step.filter(|step| step.gain > LEAST_CORRECTION * (step.expected + step.gain)));
+            }
+        }
+        plans.iter_mut().for_each(|plan| plan.sort_by(|a, b| a.expected.total_cmp(&b.expected)));
+        let most = plans.iter().map(Vec::len).max().unwrap_or(0).min(CORRECTIONS);
+        let mut plans: Vec<_> = plans.into_iter().map(Vec::into_iter).collect();
+        self.queue = (0..most).map(|_| self.landing(plans.iter_mut().map(Iterator::next).collect())).collect();
+        if self.queue.is_empty() {
+            self.corrected(&told);
+        } else {
+            self.kept = told;
+            self.stage = Stage::Correct;
+        }
     }
 
     /// `told`: the trials, then the corrections.
     fn corrected(&mut self, told: &[Rollout]) {
         let cost = |groups: &[Response]| groups.iter().map(|group| group.base.cost).sum::<f64>();
         let before = cost(&self.groups);
-        for (group, damping) in self.groups.iter_mut().zip(&mut self.damping) {
-            let mut points: Vec<Point> = told.iter().map(|rollout| rollout.of(group)).collect();
-            let best = (0..points.len()).min_by(|&a, &b| points[a].cost.total_cmp(&points[b].cost)).unwrap_or(0);
-            let is_cheaper = points[best].cost < group.base.cost;
+        let party = self.party();
+        for (groups, damping) in self.groups.chunks_mut(party).zip(&mut self.damping) {
+            let total = |rollout: &Rollout| groups.iter().map(|group| rollout.of(group).cost).sum::<f64>();
+            let costs: Vec<f64> = told.iter().map(total).collect();
+            let best = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b])).unwrap_or(0);
+            let is_cheaper = costs[best] < cost(groups);
             *damping *= match TRIALS.get(best) {
                 _ if !is_cheaper => AFTER_FAILURE,
                 Some(factor) => *factor,
                 None => AFTER_CORRECTION,
             };
             *damping = damping.clamp(1.0 / MOST_DAMPING, MOST_DAMPING);
-            let next = is_cheaper.then(|| points.swap_remove(best));
-            points.iter().for_each(|point| group.learn_secant(point));
-            if let Some(next) = next {
-                group.move_to(next);
+            for group in groups {
+                let mut points: Vec<Point> = told.iter().map(|rollout| rollout.of(group)).collect();
+                let next = is_cheaper.then(|| points.swap_remove(best));
+                points.iter().for_each(|point| group.learn_secant(point));
+                if let Some(next) = next {
+                    group.move_to(next);
+                }
             }
         }
         self.update += 1;
@@ -454,23 +485,5 @@ impl GaussNewton {
             self.groups.iter_mut().for_each(Response::doubt_all);
             self.plan_columns((0..self.groups.iter().map(|group| group.units.len()).max().unwrap_or(0)).collect());
         }
-    }
-}
-
-/// A sample and the signals it led to.
-#[derive(Clone, Debug)]
-struct Rollout {
-    weights: Vec<f64>,
-    signals: Vec<f64>,
-}
-
-impl Rollout {
-    fn is_finite(&self) -> bool {
-        self.signals.iter().all(|signal| signal.is_finite())
-    }
-
-    /// The part of `group`.
-    fn of(&self, group: &Response) -> Point {
-        group.point(&self.weights, &self.signals)
     }
 }

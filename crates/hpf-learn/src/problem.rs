@@ -2,6 +2,8 @@
 
 use core::ops::Range;
 
+use crate::Distance;
+
 /// One primitive of one axis: a run of parameters that share a basis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
@@ -67,10 +69,10 @@ impl Cost {
     }
 }
 
-/// How a cost is a sum of squares: `J = 1/2 |rho|^2 + 1/2 sum_b w_b^T Q_b w_b`.
+/// How a cost is a sum of squares and distances: `J = 1/2 |rho|^2 + 1/2 sum_b w_b^T Q_b w_b + distances`.
 ///
 /// rho are the signals a rollout measures, each times the root of its weight; w_b are the parameters of block b and
-/// Q_b what they cost by themselves, known without a rollout.
+/// Q_b what they cost by themselves, known without a rollout. Signals that a [`Distance`] is measured by are not squared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalModel {
     /// Parameters and the signals they are expected to act on, in order and without gaps: the axes of a robot. Whether
@@ -78,6 +80,9 @@ pub struct SignalModel {
     pub groups: Vec<SignalGroup>,
     /// Q_b of each block, n x n, one row after the other; empty where its parameters cost nothing by themselves.
     pub price: Vec<Vec<f64>>,
+    /// Costs that are distances. Their signals are best scaled so that their squares are about as large as those of
+    /// the others: what is small beside the rest is taken for rounding.
+    pub distances: Vec<Distance>,
 }
 
 /// Parameters that act on signals.

@@ -25,16 +25,16 @@
 
 use core::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
-use crate::box_step::box_step;
+use crate::distance::Distance;
 use crate::{Block, SignalGroup, SignalModel};
 
 /// Noise of signals that show none, as a share of the energy of their change: rounding.
 const LEAST_NOISE: f64 = 1e-12;
 
 /// Bend of a block that shows none, as a share of what one unit of it does to the signals: keeps the step regular.
-const LEAST_BEND: f64 = 1e-6;
+const LEAST_BEND: f64 = 1e-9;
 
 /// The same as a share of the noise, which hides smaller bends.
 const NOISE_BEND: f64 = 0.1;
@@ -52,12 +52,47 @@ const SHRINK: f64 = 0.3;
 /// A perturbation is halved at most this often.
 const MOST_HALVINGS: u32 = 10;
 
+/// A sample and the signals it led to.
+#[derive(Clone, Debug)]
+pub(crate) struct Rollout {
+    pub(crate) weights: Vec<f64>,
+    pub(crate) signals: Vec<f64>,
+}
+
+impl Rollout {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.signals.iter().all(|signal| signal.is_finite())
+    }
+
+    /// The mean of rollouts of the same weights.
+    pub(crate) fn mean(repeats: &[&Self]) -> Self {
+        let Self { weights, signals } = repeats[0];
+        let mean = |i: usize| repeats.iter().map(|rollout| rollout.signals[i]).sum::<f64>() / repeats.len() as f64;
+        Self { weights: weights.clone(), signals: (0..signals.len()).map(mean).collect() }
+    }
+
+    /// The part of `group`.
+    pub(crate) fn of(&self, group: &Response) -> Point {
+        group.point(&self.weights, &self.signals)
+    }
+}
+
 /// Parameters tried and the signals measured there.
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
     pub(crate) weights: Vec<f64>,
     pub(crate) signals: DVector<f64>,
     pub(crate) cost: f64,
+}
+
+/// A quadratic of a step in a box, in perturbation units.
+pub(crate) struct Quadratic {
+    pub(crate) curvature: DMatrix<f64>,
+    /// The same and the damping.
+    pub(crate) damped: DMatrix<f64>,
+    pub(crate) slope: DVector<f64>,
+    pub(crate) lo: Vec<f64>,
+    pub(crate) hi: Vec<f64>,
 }
 
 /// One group of parameters and signals.
@@ -74,6 +109,11 @@ pub(crate) struct Response {
     pub(crate) units: Vec<f64>,
     halvings: Vec<u32>,
     price: DMatrix<f64>,
+    /// The signals that are squared.
+    squares: Vec<usize>,
+    /// The problem's distances, and the share of their cost that is told as this group's.
+    distances: Vec<Distance>,
+    share: f64,
     /// The best known point.
     pub(crate) base: Point,
     response: DMatrix<f64>,
@@ -93,6 +133,7 @@ impl Response {
             signals: DVector::zeros(m),
             cost: f64::INFINITY,
         };
+        let is_offset = |i: usize| model.distances.iter().flat_map(|d| &d.offsets).any(|offsets| offsets.contains(&i));
         let mut response = Self {
             parameters: group.parameters.clone(),
             signals: group.signals.clone(),
@@ -102,6 +143,9 @@ impl Response {
             units: Vec::new(),
             halvings: vec![0; n],
             price: DMatrix::zeros(n, n),
+            squares: (0..m).filter(|i| !is_offset(group.signals.start + i)).collect(),
+            distances: model.distances.clone(),
+            share: group.parameters.len() as f64 / weights.len() as f64,
             base,
             response: DMatrix::zeros(m, n),
             doubt: DMatrix::zeros(n, n),
@@ -136,25 +180,19 @@ impl Response {
     /// The group's part of a rollout; without a cost where a signal is not finite.
     pub(crate) fn point(&self, weights: &[f64], signals: &[f64]) -> Point {
         let weights = weights[self.parameters.clone()].to_vec();
-        let signals = DVector::from_column_slice(&signals[self.signals.clone()]);
-        let cost = self.cost(&weights, &signals);
-        Point { weights, signals, cost: if cost.is_finite() { cost } else { f64::INFINITY } }
+        let own = DVector::from_column_slice(&signals[self.signals.clone()]);
+        let w = DVector::from_column_slice(&weights);
+        let distances: f64 = self.distances.iter().map(|distance| distance.cost(signals)).sum();
+        let squares = own.select_rows(&self.squares).norm_squared() + w.dot(&(&self.price * &w));
+        let cost = 0.5 * squares + self.share * distances;
+        Point { weights, signals: own, cost: if cost.is_finite() { cost } else { f64::INFINITY } }
     }
 
-    fn cost(&self, weights: &[f64], signals: &DVector<f64>) -> f64 {
-        let w = DVector::from_column_slice(weights);
-        0.5 * signals.norm_squared() + 0.5 * w.dot(&(&self.price * &w))
-    }
-
-    /// Takes the mean of rollouts of the same weights as the base, and their scatter as the noise.
-    pub(crate) fn settle(&mut self, repeats: &[Point]) {
-        let count = repeats.len() as f64;
-        let zero = DVector::zeros(self.signals.len());
-        let mean = repeats.iter().fold(zero, |sum, point| sum + &point.signals) / count;
-        let scatter = repeats.iter().map(|point| (&point.signals - &mean).norm_squared()).sum::<f64>();
-        self.noise = scatter / (count - 1.0).max(1.0);
-        let weights = repeats[0].weights.clone();
-        self.base = Point { cost: self.cost(&weights, &mean), signals: mean, weights };
+    /// Takes `mean`, that of rollouts of the same weights, as the base, and their scatter as the noise.
+    pub(crate) fn settle(&mut self, mean: Point, repeats: &[Point]) {
+        let scatter = repeats.iter().map(|point| (&point.signals - &mean.signals).norm_squared()).sum::<f64>();
+        self.noise = scatter / (repeats.len() as f64 - 1.0).max(1.0);
+        self.base = mean;
     }
 
     /// The base moved by `x` units, each parameter the other way where one unit would leave its bounds.
@@ -282,14 +320,16 @@ impl Response {
         (0..self.units.len()).map(scale).collect()
     }
 
-    /// The step from `from` that the model says is best with `damping`, and the cost it expects there.
-    pub(crate) fn step(&self, from: &Point, damping: f64) -> Option<(Vec<f64>, f64)> {
+    /// What the model says of steps from `from`, but for the distances.
+    pub(crate) fn quadratic(&self, from: &Point, damping: f64) -> Quadratic {
         let n = self.units.len();
         let units = DVector::from_column_slice(&self.units);
         let weights = DVector::from_column_slice(&from.weights);
         let price = DMatrix::from_fn(n, n, |i, j| units[i] * self.price[(i, j)] * units[j]);
-        let curvature = self.response.tr_mul(&self.response) + price;
-        let slope = self.response.tr_mul(&from.signals) + (&self.price * weights).component_mul(&units);
+        let response = self.response.select_rows(&self.squares);
+        let curvature = response.tr_mul(&response) + price;
+        let signals = from.signals.select_rows(&self.squares);
+        let slope = response.tr_mul(&signals) + (&self.price * weights).component_mul(&units);
         let mut damped = curvature.clone();
         (0..n).filter(|j| self.units[*j] == 0.0).for_each(|j| damped[(j, j)] += 1.0);
         for (b, block) in self.blocks.iter().enumerate() {
@@ -300,12 +340,25 @@ impl Response {
             }
         }
         let reach = |bound: f64, j: usize| if units[j] > 0.0 { (bound - from.weights[j]) / units[j] } else { 0.0 };
-        let lo: Vec<f64> = (0..n).map(|j| reach(self.min[j], j).min(0.0)).collect();
-        let hi: Vec<f64> = (0..n).map(|j| reach(self.max[j], j).max(0.0)).collect();
-        let x = box_step(&damped, &slope, &lo, &hi)?;
-        let expected = from.cost + slope.dot(&x) + 0.5 * x.dot(&(&curvature * &x));
-        let moved = |j: usize| (from.weights[j] + x[j] * units[j]).max(self.min[j]).min(self.max[j]);
-        Some(((0..n).map(moved).collect(), expected))
+        let lo = (0..n).map(|j| reach(self.min[j], j).min(0.0)).collect();
+        let hi = (0..n).map(|j| reach(self.max[j], j).max(0.0)).collect();
+        Quadratic { curvature, damped, slope, lo, hi }
+    }
+
+    /// The signals expected `x` units from `from`.
+    pub(crate) fn expect(&self, from: &Point, x: &DVector<f64>) -> DVector<f64> {
+        &from.signals + &self.response * x
+    }
+
+    /// How signal `i`, of all, answers.
+    pub(crate) fn answer(&self, i: usize) -> RowDVector<f64> {
+        self.response.row(i - self.signals.start).into_owned()
+    }
+
+    /// The parameters `x` units from `from`.
+    pub(crate) fn land(&self, from: &Point, x: &DVector<f64>) -> Vec<f64> {
+        let moved = |j: usize| (from.weights[j] + x[j] * self.units[j]).max(self.min[j]).min(self.max[j]);
+        (0..self.units.len()).map(moved).collect()
     }
 }
 

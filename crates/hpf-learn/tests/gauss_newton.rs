@@ -54,6 +54,7 @@ impl Toy {
             model: Some(SignalModel {
                 groups: vec![group(0), group(1)],
                 price: vec![vec![], price.clone(), vec![], price],
+                distances: vec![],
             }),
             coupling: 0.0,
             broken_above: f64::INFINITY,
@@ -287,7 +288,7 @@ fn learning_stops_at_the_motions_allowed_and_when_asked() {
 
 #[test]
 fn auto_takes_signals_where_there_are_any_and_costs_where_not() {
-    let method = Method::Auto(AutoOptions { rollouts: 10, updates: 400, seed: 3 });
+    let method = Method::Auto(AutoOptions { rollouts: 10, updates: 1000, seed: 3 });
     let with = learn_with(&Toy::new(), Toy::start(), &method, None, |_| true).unwrap();
     assert_eq!(with.best.weights, learned(&Toy::new(), options(10)).best.weights);
     let blind = Toy { model: None, ..Toy::new() };

@@ -36,6 +36,7 @@ impl Bent {
         let model = SignalModel {
             groups: vec![SignalGroup { parameters: 0..2 * COUNT, signals: 0..STEPS }],
             price: vec![vec![]; 2],
+            distances: vec![],
         };
         Self {
             blocks: vec![block(f64::NEG_INFINITY, f64::INFINITY), block(-0.5, 0.5)],

@@ -12,13 +12,13 @@
 //! acceleration of a step is the change of velocity over it.
 //!
 //! Every term but one is a square, so the cost is `1/2 |rho|^2` of weighted signals rho and of what k and d cost: linear
-//! in the weights, those need no measuring and are a quadratic form of the weights instead. A distance d is written as
-//! the square of `sqrt(2 d)`, along the way from the via point, so that its signals pass through nought with a sign.
+//! in the weights, those need no measuring and are a quadratic form of the weights instead. A distance is told by the
+//! offsets of all samples from the via point ([`Distance`]), which answer linearly to what moves them.
 
 mod approach;
 mod meter;
 
-use hpf_learn::SignalGroup;
+use hpf_learn::{Distance, SignalGroup};
 
 use crate::task::{PerAxis, Task, ViaPoint};
 use crate::trace::Trace;
@@ -120,7 +120,7 @@ impl CostModel {
         let along = |weight: f64, count: usize| if weight > 0.0 { count } else { 0 };
         let touching = along(self.tracking_weight, steps + 1) + along(self.contact_force_weight, steps + 1);
         2 + self.via.len()
-            + self.free_via.len()
+            + self.free_via.len() * (steps + 1)
             + along(self.acceleration_weight[a], steps)
             + if contact { touching } else { 0 }
     }
@@ -137,10 +137,32 @@ impl CostModel {
         parameters.iter().enumerate().map(group).collect()
     }
 
-    /// Writes the signals of `trace`, axis by axis: `1/2 |rho|^2` is what it costs without stiffness and damping.
+    /// What an offset from a via point without a time is multiplied by: as squares, offsets of a metre would cost about
+    /// what the distance costs.
+    fn offset_scale(&self, steps: usize) -> f64 {
+        (self.via_distance_weight / (steps + 1) as f64).sqrt()
+    }
+
+    /// The distances to the via points without a time, among the signals of `groups`.
+    pub(crate) fn distances(&self, groups: &[SignalGroup], steps: usize) -> Vec<Distance> {
+        let scale = self.offset_scale(steps);
+        let distance = |(v, via): (usize, &ViaPoint)| Distance {
+            weight: self.via_distance_weight / scale,
+            radius: scale * via.radius.unwrap_or(0.0),
+            offsets: groups
+                .iter()
+                .map(|group| group.signals.start + 2 + self.via.len() + v * (steps + 1))
+                .map(|start| start..start + steps + 1)
+                .collect(),
+        };
+        self.free_via.iter().enumerate().map(distance).collect()
+    }
+
+    /// Writes the signals of `trace`, axis by axis: half their squares, and the distances that some of them tell instead,
+    /// are what it costs without stiffness and damping.
     pub(crate) fn signals(&self, trace: &Trace, signals: &mut Vec<f64>) {
         let (steps, dt) = (trace.steps(), trace.dt());
-        let approaches: Vec<Approach> = self.free_via.iter().map(|via| Approach::nearest(via, trace)).collect();
+        let scale = self.offset_scale(steps);
         signals.clear();
         for (a, axis) in trace.axes.iter().enumerate() {
             signals.push(self.goal_weight[a].sqrt() * (axis.position[steps] - self.goal[a]));
@@ -149,9 +171,8 @@ impl CostModel {
                 let error = trace.sample(&axis.position, *time) - position[a];
                 signals.push(self.via_weight[a].sqrt() * error);
             }
-            for (via, approach) in self.free_via.iter().zip(&approaches) {
-                let offset = axis.position[approach.sample] - via.position[a];
-                signals.push(self.via_distance_weight.sqrt() * approach.signal(offset));
+            for via in &self.free_via {
+                signals.extend(axis.position.iter().map(|position| scale * (position - via.position[a])));
             }
             let factor = (self.acceleration_weight[a] * dt).sqrt();
             if factor > 0.0 {

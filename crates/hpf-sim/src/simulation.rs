@@ -203,10 +203,9 @@ impl Simulation {
             [Vec::new(), stiffness, damping].into_iter().chain(goal)
         };
         let groups = cost.signal_groups(&counts, steps, contact.as_ref().map(|contact| contact.axis));
-        let signals = SignalModel {
-            groups: draws::repeated(groups, task.draws()),
-            price: (0..axes.len()).flat_map(prices).collect(),
-        };
+        let distances = cost.distances(&groups, steps);
+        let price = (0..axes.len()).flat_map(prices).collect();
+        let signals = draws::repeated(SignalModel { groups, price, distances }, task.draws());
         let mut evaluation = Circumstances::of_set(task, Set::Evaluation, task.evaluation_draws());
         let shown = evaluation.next().expect("at least one draw");
         drop(evaluation);

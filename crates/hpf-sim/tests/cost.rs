@@ -267,8 +267,10 @@ fn a_via_point_without_a_time_costs_the_distance_of_the_nearest_sample_outside_i
         assert!((cost.total() - 2.0 * outside).abs() < 1e-12 && cost.terms[Term::ViaPoint as usize] == cost.total());
         let mut signals = Vec::new();
         simulation.signals_into(&trace, &mut signals);
-        let half_squares = 0.5 * signals.iter().map(|signal| signal * signal).sum::<f64>();
-        assert!((half_squares - cost.total()).abs() < 1e-12, "{half_squares}");
+        let [distance] = &hpf_learn::Problem::signals(&simulation).unwrap().distances[..] else {
+            panic!("one via point")
+        };
+        assert!((distance.cost(&signals) - cost.total()).abs() < 1e-12, "{}", distance.cost(&signals));
         let metrics = simulation.metrics(&trace);
         let error = metrics.iter().find(|metric| metric.name == "max_via_error").unwrap().value;
         assert!((error - outside).abs() < 1e-12, "{error}");

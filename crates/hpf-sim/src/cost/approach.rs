@@ -8,8 +8,6 @@ use crate::trace::Trace;
 pub(crate) struct Approach {
     /// Which one.
     pub(crate) sample: usize,
-    /// How far from the position.
-    distance: f64,
     /// How far outside the radius.
     pub(crate) outside: f64,
 }
@@ -30,12 +28,6 @@ impl Approach {
             }
         }
         let outside = near.1 - via.radius.unwrap_or(0.0);
-        Self { sample: near.0, distance: near.1, outside: if outside < 0.0 { 0.0 } else { outside } }
-    }
-
-    /// The signal of an axis that is `offset` from the position there: half the sum of its squares over the axes is the
-    /// distance outside the radius.
-    pub(crate) fn signal(&self, offset: f64) -> f64 {
-        if self.outside == 0.0 { 0.0 } else { (2.0 * self.outside).sqrt() * offset / self.distance }
+        Self { sample: near.0, outside: if outside < 0.0 { 0.0 } else { outside } }
     }
 }

@@ -1,20 +1,37 @@
 //! Rollouts over draws: a rollout of a task in which something is drawn is one motion for each draw. Its cost is their
 //! mean; its signals are those of all motions, each over the root of their number.
 
+use core::ops::Range;
 use core::{mem, slice};
 
-use hpf_learn::{Cost, Draws, Parameters, SignalGroup};
+use hpf_learn::{Cost, Distance, Draws, Parameters, SignalGroup, SignalModel};
 
 use super::circumstances::{Circumstances, Set};
 use super::{Simulation, Workspace};
 use crate::metrics::{Metric, over_draws};
 
-/// The signals of `draws` motions, axis by axis, from the groups of one motion.
-pub(super) fn repeated(mut groups: Vec<SignalGroup>, draws: usize) -> Vec<SignalGroup> {
-    for group in &mut groups {
-        group.signals = draws * group.signals.start..draws * group.signals.end;
-    }
-    groups
+/// The signals of `draws` motions, axis by axis, from the model of one motion.
+pub(super) fn repeated(model: SignalModel, draws: usize) -> SignalModel {
+    let SignalModel { groups, price, distances } = model;
+    // A mean of distances: the weight is that of one draw, in the unit of signals over the root of their number.
+    let share = (draws as f64).sqrt().recip();
+    let of_draw = |k: usize, offsets: &Range<usize>| {
+        let group =
+            groups.iter().find(|group| group.signals.contains(&offsets.start)).expect("a group has each signal");
+        let shift = (draws - 1) * group.signals.start + k * group.signals.len();
+        offsets.start + shift..offsets.end + shift
+    };
+    let distance = |distance: &Distance, k: usize| Distance {
+        weight: share * distance.weight,
+        radius: share * distance.radius,
+        offsets: distance.offsets.iter().map(|offsets| of_draw(k, offsets)).collect(),
+    };
+    let distances = distances.iter().flat_map(|of_one| (0..draws).map(move |k| distance(of_one, k))).collect();
+    let whole = |group: &SignalGroup| SignalGroup {
+        parameters: group.parameters.clone(),
+        signals: draws * group.signals.start..draws * group.signals.end,
+    };
+    SignalModel { groups: groups.iter().map(whole).collect(), price, distances }
 }
 
 /// Adds `cost` to `mean`, over `count` motions; the first of them sets it.
