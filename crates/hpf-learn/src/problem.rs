@@ -128,6 +128,12 @@ pub trait Problem: Sync {
         1
     }
 
+    /// Whether a rollout costs something else under other draws, so that what is said of a policy has to come from draws
+    /// that learning did not see.
+    fn is_random(&self) -> bool {
+        self.motions() > 1
+    }
+
     /// Whether a motion may be made before it is certain that it will be used, to keep all threads at work: where motions
     /// are cheap and move nothing. The numbers are the same either way.
     fn may_run_ahead(&self) -> bool {

@@ -5,7 +5,7 @@
 //! gauss-newton, auto:  batches; their first motion is the start, and each is an evaluation
 //! cma-es:              start, then a batch for each update, each motion an evaluation
 //! ```
-//! Where a problem has draws ([`Problem::motions`] above 1), what a motion of a batch cost is what it cost under the
+//! Where a problem has draws ([`Problem::is_random`]), what a motion of a batch cost is what it cost under the
 //! draws it learned from: the start, and the cheapest motion of each update, are then rolled out once more under those
 //! held out, and these are the evaluations.
 //!
@@ -97,6 +97,8 @@ pub struct Session {
     max_rollouts: usize,
     /// Motions per rollout.
     motions: usize,
+    /// Whether what a motion costs depends on its draws.
+    is_random: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -140,7 +142,7 @@ impl Session {
             Ok(Stage::Signals(Box::new(GaussNewton::new(blocks, model, weights, options)), None))
         };
         let most_elites = if let Method::Pi2(options) = method { options.elites } else { 0 };
-        if most_elites > 0 && problem.motions() > 1 {
+        if most_elites > 0 && problem.is_random() {
             return Err(LearnError::RandomElites);
         }
         let stage = match *method {
@@ -158,7 +160,8 @@ impl Session {
         let initial =
             Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
         let motions = problem.motions().max(1);
-        let due = if motions == 1 && matches!(stage, Stage::Signals(..)) { Due::Batch } else { Due::Start };
+        let is_random = problem.is_random();
+        let due = if !is_random && matches!(stage, Stage::Signals(..)) { Due::Batch } else { Due::Start };
         let history =
             History { best: initial.clone(), initial, updates: 0, rollouts: 0, rejected: 0, stop: Stop::Asked, notes };
         Ok(Self {
@@ -175,6 +178,7 @@ impl Session {
             rollouts: method.rollouts(),
             max_rollouts: max_rollouts.unwrap_or(usize::MAX),
             motions,
+            is_random,
         })
     }
 
@@ -240,7 +244,7 @@ impl Session {
 
     /// Whether the outcome of an update is rolled out once more.
     fn is_judged(&self) -> bool {
-        self.motions > 1 || matches!(self.stage, Stage::Pi2(_))
+        self.is_random || matches!(self.stage, Stage::Pi2(_))
     }
 
     /// Takes what came of the samples of [`Session::ask`], in their order: a cost each, and where they were asked for
@@ -329,7 +333,7 @@ impl Session {
     pub fn history(&self) -> History {
         let mut history = self.history.clone();
         if let (Stage::Signals(learner, _), Some((weights, price))) = (&self.stage, &self.cheapest)
-            && self.motions == 1
+            && !self.is_random
             && price.total < history.best.total
         {
             history.best = self.progress(weights.clone(), price, learner.reach());

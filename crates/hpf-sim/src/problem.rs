@@ -35,6 +35,10 @@ impl Problem for Simulation {
         self.task.draws()
     }
 
+    fn is_random(&self) -> bool {
+        self.is_random
+    }
+
     fn may_run_ahead(&self) -> bool {
         true
     }

@@ -95,7 +95,7 @@ pub struct Simulation {
     pub(crate) signals: SignalModel,
     /// The first of the draws that policies are measured by: what a trace shows.
     shown: Circumstances,
-    is_random: bool,
+    pub(crate) is_random: bool,
     robot: Option<Robot>,
     instructions: pulp::Arch,
 }

@@ -1,6 +1,8 @@
 //! Tasks in which something is drawn: who meets which draws, and what that costs.
 
-use hpf_learn::{Cost, Draws, Parameters, Problem};
+use hpf_learn::{
+    AutoOptions, CmaEsOptions, Cost, Draws, LearnError, Method, Parameters, Pi2Options, Problem, learn_with,
+};
 use hpf_sim::{Policy, Simulation, Task};
 
 const STOCHASTIC: &str = include_str!("../../../tasks/via_point_stochastic.toml");
@@ -106,6 +108,23 @@ fn signals_of_all_draws_are_the_cost_and_together_is_as_alone() {
         assert_eq!(signals[x.clone()], others[x]);
         assert_ne!(signals[y.clone()], others[y]);
     }
+}
+
+#[test]
+fn what_is_said_of_a_policy_is_from_draws_held_out_even_where_there_is_one() {
+    let task = task(&[("draws = 4", "draws = 1"), ("max_rollouts = 4000", "max_rollouts = 200")]);
+    let (simulation, weights) = simulation(&task);
+    assert!(simulation.motions() == 1 && simulation.is_random());
+    let (rollouts, updates, seed) = (20, 100, 1);
+    for method in
+        [Method::Auto(AutoOptions { rollouts, updates, seed }), Method::CmaEs(CmaEsOptions { rollouts, updates, seed })]
+    {
+        let best = learn_with(&simulation, weights.clone(), &method, Some(200), |_| true).unwrap().best;
+        assert!(best.update > 0, "{method:?}");
+        assert_eq!(best.total, cost(&simulation, Draws::HeldOut, &best.weights).total(), "{method:?}");
+    }
+    let elites = Method::Pi2(Pi2Options { elites: 3, ..Pi2Options::default() });
+    assert_eq!(learn_with(&simulation, weights, &elites, None, |_| true), Err(LearnError::RandomElites));
 }
 
 #[test]

@@ -133,7 +133,7 @@ impl Session {
     fn end_update(&mut self, exploration: f64) -> Option<Progress> {
         self.history.updates += 1;
         let (weights, price) = self.cheapest.take()?;
-        if self.motions > 1 {
+        if self.is_random {
             self.due = Due::Evaluation { weights, exploration };
             return None;
         }
