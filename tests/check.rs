@@ -42,7 +42,7 @@ fn each_mistake_is_answered_with_its_place_and_what_is_allowed() {
         ("kind = \"sine\"", "kind = \"sinus\"", "did you mean `sine`?"),
         ("axis = \"x\"", "axis = \"z\"", "no axis `z`"),
         ("method = \"pi2\"", "method = \"pi3\"", "did you mean `pi2`?"),
-        ("[0, 100, 200, 600]", "[0, 100, 200, 601]", "601"),
+        ("[0, 100, 200, 600]", "[0, 100, 200, 100]", "kept twice"),
         ("goal = 1.0 ", "goal = [1.0 ", "missing comma"),
     ];
     for (from, to, words) in mistakes {
