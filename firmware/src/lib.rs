@@ -160,11 +160,11 @@ impl Fingerprint {
 }
 
 /// What a movement of each family must come to, on every machine: the failing test below prints it.
-pub const GOLDEN: [(Family, u64); 2] = [(Family::Phase, 0x4773_a2a5_718f_7101), (Family::Time, 0x02ab_7f39_03d3_9637)];
+pub const GOLDEN: [(Family, u64); 2] = [(Family::Phase, 0x7583_6db9_f784_02b3), (Family::Time, 0xd803_fe52_dd38_c481)];
 
 /// The same in double precision, the first [`DOUBLE_UPDATES`] updates.
 pub const DOUBLE_GOLDEN: [(Family, u64); 2] =
-    [(Family::Phase, 0x68bc_01fd_dfaf_2b0f), (Family::Time, 0x2b01_53b1_ea7f_b2a8)];
+    [(Family::Phase, 0xbadb_ae8b_d7df_7cbf), (Family::Time, 0xb859_90b2_f718_1b32)];
 
 #[cfg(test)]
 mod tests {

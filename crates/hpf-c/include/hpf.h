@@ -328,22 +328,22 @@
 /*
  Upper bound of what a single-precision controller needs beside its axes and lists.
  */
-#define HPF_F32_BYTES_BASE 384
+#define HPF_F32_BYTES_BASE 416
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F32_BYTES_PER_AXIS 224
+#define HPF_F32_BYTES_PER_AXIS 256
 
 /*
  Upper bound of what a double-precision controller needs beside its axes and lists.
  */
-#define HPF_F64_BYTES_BASE 512
+#define HPF_F64_BYTES_BASE 576
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F64_BYTES_PER_AXIS 400
+#define HPF_F64_BYTES_PER_AXIS 448
 
 /*
  A controller in the caller's memory; opaque to C.

@@ -12,7 +12,7 @@
 //!
 //! A second family is equally spaced in time itself: `psi_i = overlap^((t - i)^2)`, t = -ln(s) (n-1)/alpha_s counted in
 //! spacings. With k the nearest center, `psi_{k+j} / psi_k = u^j overlap^(j^2)`, `u = overlap^(-2 (t - k))`: one logarithm
-//! and one exponential per step instead of n exponentials. Before the first and past the last center t stands still. The
+//! and one exponential per step instead of n exponentials, the powers of u from the nearest outwards. Before the first and past the last center t stands still. The
 //! two families are not equal in numbers; weights belong to the family that they were learned with.
 //!
 //! The phi_i are positive and sum to one, so a mixture of weights in `[lo, hi]` stays in `[lo, hi]`. The largest
@@ -42,7 +42,7 @@ enum Family<T> {
         fall: T,
         /// The last center's number, n-1.
         last: T,
-        /// Spacings from which on a function counts as nought.
+        /// Spacings up to which a function counts.
         reach: usize,
     },
 }
@@ -158,9 +158,11 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     /// The time family over lists known to be its own.
     fn in_time(decay: T, fall: T, centers: S, falls: S) -> Result<Self, ConfigError> {
         let last = T::of(centers.as_ref().len().saturating_sub(1) as f64);
-        let reach = falls.as_ref().iter().filter(|fallen| fallen.to_f64() > 0.0).count();
+        let reach = falls.as_ref().iter().skip(1).filter(|fallen| fallen.to_f64() > 0.0).count();
         let spacings = last / decay;
         error::finite("functions over decay", spacings)?;
+        // The largest power of u there will be.
+        error::finite("overlap to the power of minus its reach", T::ONE / (-fall * T::of(reach as f64)).exp())?;
         let family = Family::Time { spacings, fall, last, reach };
         Ok(Self { centers, shape: falls, family, scalar: PhantomData })
     }
@@ -216,58 +218,59 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         self.centers.as_ref().iter().zip(self.shape.as_ref()).map(move |(&c, &h)| -h * (s - c) * (s - c))
     }
 
-    /// Hands the activations over the largest, which cancels in every normalised quantity, to `take`, group by group with
-    /// the number of its first function; functions that are left out count as nought. Returns the sum.
-    #[inline]
-    fn scan(&self, s: T, mut take: impl FnMut(usize, &[[T; GROUP]])) -> T {
-        let (centers, shape) = (self.centers.as_ref(), self.shape.as_ref());
-        let window = match self.family {
-            Family::Phase => {
-                let floor = T::of(f64::NEG_INFINITY);
-                let largest = self.exponents(s).fold(floor, |largest, e| largest.select_below(e, e, largest));
-                Window { first: 0, end: centers.len(), nearest: 0, factor: T::ONE, power: largest }
-            }
+    /// Hands the activations at `s` to `sink`, all over one of them, which cancels in every normalised quantity; functions
+    /// that are left out count as nought. Returns the sum.
+    #[inline(always)]
+    fn scan(&self, s: T, sink: &mut impl Sink<T>) -> T {
+        match self.family {
+            Family::Phase => self.scan_phase(s, sink),
             Family::Time { spacings, fall, last, reach } => {
                 let (k, distance) = nearest(s, spacings, last);
-                let slope = (fall + fall) * distance;
-                let first = (k + 1).saturating_sub(reach);
-                let power = (-slope * T::of((k - first.min(k)) as f64)).exp();
-                Window { first, end: centers.len().min(k + reach), nearest: k, factor: slope.exp(), power }
+                self.scan_time(k, (fall + fall) * distance, reach, sink)
             }
-        };
-        let Window { mut first, end, nearest, factor, mut power } = window;
+        }
+    }
+
+    /// [`scan`](Self::scan) of the phase family: over the largest.
+    #[inline(always)]
+    fn scan_phase(&self, s: T, sink: &mut impl Sink<T>) -> T {
+        let floor = T::of(f64::NEG_INFINITY);
+        let largest = self.exponents(s).fold(floor, |largest, e| largest.select_below(e, e, largest));
+        let (centers, rest) = self.centers.as_ref().as_chunks::<GROUP>();
+        let (widths, rest_widths) = self.shape.as_ref().as_chunks::<GROUP>();
+        let activation = |(&c, &h): (&T, &T)| (-h * (s - c) * (s - c) - largest).exp();
         let mut sum = T::ZERO;
-        // Any number will do; nought takes a call on a microcontroller.
-        let mut block = [[s; GROUP]; GROUPS];
-        while first < end {
-            let stop = end.min(first + GROUP * GROUPS);
-            let mut slots = block.as_flattened_mut().iter_mut();
-            let mut put = |activation| {
-                slots.next().into_iter().for_each(|slot| *slot = activation);
-                sum += activation;
-            };
-            match self.family {
-                Family::Phase => {
-                    let centers = centers.get(first..stop).unwrap_or_default();
-                    for (&c, &h) in centers.iter().zip(shape.get(first..stop).unwrap_or_default()) {
-                        put((-h * (s - c) * (s - c) - power).exp());
-                    }
-                }
-                Family::Time { .. } => {
-                    let before = (nearest + 1).saturating_sub(stop).max(1)..(nearest + 1).saturating_sub(first);
-                    let from = first.saturating_sub(nearest)..stop.saturating_sub(nearest);
-                    let before = shape.get(before).unwrap_or_default().iter().rev();
-                    before.chain(shape.get(from).unwrap_or_default()).for_each(|&fallen| {
-                        put(power * fallen);
-                        power = power * factor;
-                    });
-                }
+        let mut first = 0;
+        for (centers, widths) in centers.iter().zip(widths) {
+            let mut group = [T::ZERO; GROUP];
+            for (slot, function) in group.iter_mut().zip(centers.iter().zip(widths)) {
+                *slot = activation(function);
             }
-            (1..GROUP).for_each(|_| slots.next().into_iter().for_each(|slot| *slot = T::ZERO));
-            take(first, block.get(..(stop - first).div_ceil(GROUP)).unwrap_or_default());
-            first = stop;
+            sum = add(sum, group);
+            sink.take(first, group);
+            first += GROUP;
+        }
+        for function in rest.iter().zip(rest_widths) {
+            let activation = activation(function);
+            sum += activation;
+            sink.take(first, [activation]);
+            first += 1;
         }
         sum
+    }
+
+    /// [`scan`](Self::scan) of the time family: over the nearest, `k`, from it outwards.
+    #[inline(always)]
+    fn scan_time(&self, k: usize, slope: T, reach: usize, sink: &mut impl Sink<T>) -> T {
+        let up = slope.exp();
+        let falls = self.shape.as_ref().get(1..).unwrap_or_default();
+        let above = falls.get(..self.count().saturating_sub(k + 1).min(reach)).unwrap_or_default();
+        let below = falls.get(..k.min(reach)).unwrap_or_default();
+        sink.start(k);
+        let above = Arm { falls: above, at: k + 1, factor: up, power: T::ONE, sum: T::ONE };
+        let above = above.go::<GROUP>(sink, true).go::<2>(sink, true).go::<1>(sink, true);
+        let below = Arm { falls: below, at: k, factor: T::ONE / up, power: T::ONE, sum: above.sum };
+        below.go::<GROUP>(sink, false).go::<2>(sink, false).go::<1>(sink, false).sum
     }
 
     /// The mixtures `sum_i w_i phi_i(s)` of `M` weight lists, the basis evaluated once for all of them.
@@ -281,32 +284,15 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     /// [`mix`](Self::mix) of `M` sets of `K` weight lists each, the basis evaluated once for all of them.
     #[inline]
     pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
-        let mut mixed = [[T::ZERO; K]; M];
-        let sum = self.scan(s, |first, groups| {
-            let lists = weights.map(|set| set.map(|list| list.get(first..).unwrap_or_default().as_chunks::<GROUP>()));
-            for (i, activations) in groups.iter().enumerate() {
-                for (mixed, (list, rest)) in mixed.as_flattened_mut().iter_mut().zip(lists.as_flattened()) {
-                    *mixed += match list.get(i) {
-                        Some(&[u, v, w, x]) => {
-                            let [a, b, c, d] = *activations;
-                            (a * u + b * v) + (c * w + d * x)
-                        }
-                        None => rest.iter().zip(activations).fold(T::ZERO, |sum, (&w, &a)| sum + a * w),
-                    };
-                }
-            }
-        });
-        let per_sum = T::ONE / sum;
-        mixed.map(|set| set.map(|mixed| mixed * per_sum))
+        let mut mixer = Mixer { weights, mixed: [[T::ZERO; K]; M] };
+        let per_sum = T::ONE / self.scan(s, &mut mixer);
+        mixer.mixed.map(|set| set.map(|mixed| mixed * per_sum))
     }
 
     /// Writes `phi_i(s)` into `out`, one entry per function.
     pub fn features_into(&self, s: T, out: &mut [T]) {
         out.fill(T::ZERO);
-        let sum = self.scan(s, |first, groups| {
-            out.iter_mut().skip(first).zip(groups.as_flattened()).for_each(|(slot, &activation)| *slot = activation);
-        });
-        let per_sum = T::ONE / sum;
+        let per_sum = T::ONE / self.scan(s, &mut Listed(out));
         out.iter_mut().for_each(|slot| *slot = *slot * per_sum);
     }
 
@@ -329,24 +315,93 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     }
 }
 
-/// Activations that are weighed at once, their products summed in pairs: no sum waits long for the one before.
-const GROUP: usize = 4;
+/// Activations that are weighed at once.
+const GROUP: usize = 5;
 
-/// Groups that are gathered before lists are weighed by them.
-const GROUPS: usize = 5;
+/// What activations are handed to.
+trait Sink<T> {
+    /// Starts with function `at`, of activation 1.
+    fn start(&mut self, at: usize);
+    /// Takes the activations of the functions from `first` on.
+    fn take<const L: usize>(&mut self, first: usize, activations: [T; L]);
+}
 
-/// The functions that count at one phase.
-struct Window<T> {
-    /// The first of them.
-    first: usize,
-    /// The one after the last.
-    end: usize,
-    /// The nearest, of the time family.
-    nearest: usize,
-    /// By what `power` grows from one to the next.
+/// Writes each activation down.
+struct Listed<'a, T>(&'a mut [T]);
+
+impl<T: Real> Sink<T> for Listed<'_, T> {
+    #[inline(always)]
+    fn start(&mut self, at: usize) {
+        self.0.iter_mut().skip(at).take(1).for_each(|slot| *slot = T::ONE);
+    }
+
+    #[inline(always)]
+    fn take<const L: usize>(&mut self, first: usize, activations: [T; L]) {
+        self.0.iter_mut().skip(first).zip(activations).for_each(|(slot, activation)| *slot = activation);
+    }
+}
+
+/// Weighs `M` sets of `K` lists by the activations.
+struct Mixer<'a, T, const K: usize, const M: usize> {
+    weights: [[&'a [T]; K]; M],
+    mixed: [[T; K]; M],
+}
+
+impl<T: Real, const K: usize, const M: usize> Sink<T> for Mixer<'_, T, K, M> {
+    #[inline(always)]
+    fn start(&mut self, at: usize) {
+        self.mixed = self.weights.map(|set| set.map(|list| list.get(at).copied().unwrap_or(T::ZERO)));
+    }
+
+    #[inline(always)]
+    fn take<const L: usize>(&mut self, first: usize, activations: [T; L]) {
+        for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(self.weights.as_flattened()) {
+            if let Some(weights) = list.get(first..).unwrap_or_default().first_chunk::<L>() {
+                *mixed = weights.iter().zip(activations).fold(*mixed, |sum, (&w, a)| sum + a * w);
+            }
+        }
+    }
+}
+
+/// `sum` and some activations.
+#[inline(always)]
+fn add<T: Real, const L: usize>(sum: T, activations: [T; L]) -> T {
+    activations.into_iter().fold(sum, |sum, activation| sum + activation)
+}
+
+/// What is left of the functions of the time family on one side of the nearest, nearer ones first.
+struct Arm<'a, T> {
+    falls: &'a [T],
+    /// Above: the next function. Below: the last one.
+    at: usize,
     factor: T,
-    /// u^j of the first; of the phase family, the largest exponent.
+    /// u^j of the last one.
     power: T,
+    sum: T,
+}
+
+impl<T: Real> Arm<'_, T> {
+    /// Hands over as many groups of `L` as there are.
+    #[inline(always)]
+    fn go<const L: usize>(mut self, sink: &mut impl Sink<T>, above: bool) -> Self {
+        while let Some((falls, rest)) = self.falls.split_first_chunk::<L>() {
+            self.falls = rest;
+            let mut group = falls.map(|fallen| {
+                self.power = self.power * self.factor;
+                self.power * fallen
+            });
+            self.sum = add(self.sum, group);
+            if above {
+                sink.take(self.at, group);
+                self.at += L;
+            } else {
+                group.reverse();
+                self.at = self.at.saturating_sub(L);
+                sink.take(self.at, group);
+            }
+        }
+        self
+    }
 }
 
 /// An error unless there are at least two functions.

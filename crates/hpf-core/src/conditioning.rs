@@ -105,13 +105,18 @@ impl<T: Real, const D: usize> ForceConditioning<T, D> {
     /// The force that the admittance sees after `dt` [s] of `measured_force` [N], which must be finite.
     #[inline]
     pub fn step(&self, state: &mut ForceState<T, D>, measured_force: [T; D], dt: T) -> [T; D] {
-        self.settle(state, self.compensated(state, measured_force), dt)
+        self.settle(state, self.compensated(state, measured_force), self.settled(dt))
     }
 
-    /// [`step`](Self::step) of a compensated force.
+    /// The share of a change of force that the filter lets through in `dt` [s].
     #[inline]
-    pub(crate) fn settle(&self, state: &mut ForceState<T, D>, mut force: [T; D], dt: T) -> [T; D] {
-        let settled = self.cutoff.map_or(T::ONE, |cutoff| -(-T::of(TAU) * cutoff * dt).exp_m1());
+    pub(crate) fn settled(&self, dt: T) -> T {
+        self.cutoff.map_or(T::ONE, |cutoff| -(-T::of(TAU) * cutoff * dt).exp_m1())
+    }
+
+    /// [`step`](Self::step) of a compensated force, given what [`settled`](Self::settled) says.
+    #[inline]
+    pub(crate) fn settle(&self, state: &mut ForceState<T, D>, mut force: [T; D], settled: T) -> [T; D] {
         for ((force, filtered), &width) in force.iter_mut().zip(&mut state.filtered).zip(&self.dead_zone) {
             *filtered += settled * (*force - *filtered);
             *force = dead_zone(*filtered, width);

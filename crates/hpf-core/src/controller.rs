@@ -23,17 +23,19 @@ mod exchange;
 mod mode;
 mod reference;
 mod settings;
+mod step;
 
 pub use exchange::{AxisOutput, Counters, Input, Output, Request, Status};
 pub use mode::{Event, Mode};
 pub use settings::{AxisSettings, Compliance, Damping, Law, Settings, Timing};
 
+use exchange::count;
 use reference::Reference;
 
-use crate::admittance::{Inertial, OffsetMotion, step_offset};
+use crate::admittance::{Inertial, OffsetMotion};
 use crate::conditioning::ForceState;
-use crate::limits::{Hits, LARGEST, brake, cut};
-use crate::passivity::{kinetic_energy, spring_energy};
+use crate::limits::{Hits, LARGEST};
+use crate::passivity::kinetic_energy;
 use crate::{AxisPrimitives, ConfigError, HybridPrimitive, Profile, Real, Transition, error};
 
 /// Spring factors of a movement for which no product of a step can overflow in single precision.
@@ -74,8 +76,6 @@ const ALPHA_RANGE: [f64; 2] = [1e-3, 1e6];
 pub struct Controller<T, S, const D: usize> {
     skill: HybridPrimitive<T, S, D>,
     settings: Settings<T, D>,
-    /// The second-order law of each axis that has one.
-    laws: [Option<Inertial<T>>; D],
     /// Phase at which the movement has ended.
     end_phase: T,
     axes: [AxisState<T>; D],
@@ -86,8 +86,29 @@ pub struct Controller<T, S, const D: usize> {
     lost_for: T,
     ended: bool,
     counters: Counters,
+    filter: Filter<T>,
+    pace: Pace<T>,
     /// The last output; phase, rate, energy, mode and motion of the commands are the state of what they say.
     last: Output<T, D>,
+}
+
+/// What the force filter makes of a step's length: kept while steps are equally long.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Filter<T> {
+    /// The step's length [s]; nought where none has been looked at.
+    dt: T,
+    /// The share of a change of force that it lets through in one step.
+    settled: T,
+}
+
+/// What a step's length and the rate of time decide, beside [`AxisState::step`]: kept while both stay what they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pace<T> {
+    /// The step's length [s]; nought where none has been looked at.
+    dt: T,
+    rate: T,
+    /// By what the phase falls in half a step.
+    fall: T,
 }
 
 /// State of one axis beside its last command.
@@ -95,6 +116,10 @@ pub struct Controller<T, S, const D: usize> {
 struct AxisState<T> {
     reference: Reference<T>,
     offset: OffsetMotion<T>,
+    /// The second-order law, if the axis has one.
+    law: Option<Inertial<T>>,
+    /// The reference's step at the last [`Pace`].
+    step: Transition<T>,
 }
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
@@ -126,16 +151,18 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             hits: Hits::default(),
         };
         let still = OffsetMotion { offset: T::ZERO, velocity: T::ZERO };
+        let reference = Reference::at_rest(T::ZERO, T::ZERO);
         let mut controller = Self {
             settings,
-            laws,
             end_phase: skill.phase().at(skill.phase().duration()),
-            axes: [AxisState { reference: Reference::at_rest(T::ZERO, T::ZERO), offset: still }; D],
+            axes: laws.map(|law| AxisState { reference, offset: still, law, step: Transition::NONE }),
             force: ForceState::default(),
             good_force: [T::ZERO; D],
             lost_for: T::of(LARGEST),
             ended: false,
             counters: Counters::default(),
+            filter: Filter { dt: T::ZERO, settled: T::ZERO },
+            pace: Pace { dt: T::ZERO, rate: T::ZERO, fall: T::ONE },
             last: Output {
                 axes: [rest; D],
                 phase: T::ONE,
@@ -190,19 +217,21 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             Ok(laws) => {
                 // Mass that a moving offset is given costs energy, as stiffness does at an offset.
                 let mut balance = T::ZERO;
-                for ((state, old), new) in self.axes.iter().zip(&self.laws).zip(&laws) {
-                    let [old, new] = [old, new].map(|law| law.map_or(T::ZERO, |law| law.mass()));
+                for (state, new) in self.axes.iter_mut().zip(laws) {
+                    let [old, new] =
+                        [core::mem::replace(&mut state.law, new), new].map(|law| law.map_or(T::ZERO, |law| law.mass()));
                     balance += kinetic_energy(old - new, state.offset.velocity);
                 }
                 self.last.energy = settings.tank.map_or(T::ZERO, |tank| {
                     tank.book(&mut self.last.energy, balance);
                     self.last.energy
                 });
-                (self.settings, self.laws) = (settings, laws);
+                self.settings = settings;
+                self.filter.dt = T::ZERO;
                 Ok(())
             }
             Err(refusal) => {
-                self.counters.refused = self.counters.refused.saturating_add(1);
+                count(&mut self.counters.refused);
                 Err(refusal)
             }
         }
@@ -210,22 +239,36 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 
     /// One step of `dt` [s]. Total: whatever comes in, the commands are finite and within every limit.
     pub fn update(&mut self, input: &Input<T, D>, dt: T) -> Output<T, D> {
-        let mut status =
-            Status { refused: !input.request.is_none_or(|request| self.obey(request)), ..Status::default() };
-        if dt.is_finite() && dt > T::ZERO {
-            let longest = self.settings.timing.longest_step;
-            status.long_time = dt > longest;
-            self.advance(input, dt.at_most(longest), &mut status);
-        } else {
-            status.bad_time = true;
+        self.last.status = Status::default();
+        if let Some(request) = input.request
+            && !self.obey(request)
+        {
+            self.last.status.refused = true;
+            count(&mut self.counters.refused);
         }
-        if status != Status::default() {
-            self.counters.count(&status);
+        if let Some(dt) = self.heed(dt) {
+            self.advance(input, dt);
         }
-        self.last.status = status;
         // In parts: as a whole it is copied by a call on a microcontroller.
         let Output { axes, phase, rate, energy, mode, status } = self.last;
         Output { axes, phase, rate, energy, mode, status }
+    }
+
+    /// The length of a step of `dt`, if it is one.
+    #[inline]
+    fn heed(&mut self, dt: T) -> Option<T> {
+        let longest = self.settings.timing.longest_step;
+        if dt > T::ZERO && dt <= longest {
+            return Some(dt);
+        }
+        if dt.is_finite() && dt > longest {
+            self.last.status.long_time = true;
+            count(&mut self.counters.long_time);
+            return Some(longest);
+        }
+        self.last.status.bad_time = true;
+        count(&mut self.counters.bad_time);
+        None
     }
 
     /// Does what is asked for; returns whether it did.
@@ -253,7 +296,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     fn on(&mut self, event: Event) -> bool {
         let Some(mode) = self.last.mode.after(event) else { return false };
         if mode == Mode::Fault && self.last.mode != Mode::Fault {
-            self.counters.faults = self.counters.faults.saturating_add(1);
+            count(&mut self.counters.faults);
         }
         self.last.mode = mode;
         true
@@ -316,169 +359,5 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             }
         }
         true
-    }
-
-    /// One step of a `dt` that is in order.
-    fn advance(&mut self, input: &Input<T, D>, dt: T, status: &mut Status) {
-        let force = self.feel(input, dt, status);
-        self.watch(input, status);
-
-        let asked = if input.rate.is_finite() { input.rate.at_least(T::ZERO).at_most(T::ONE) } else { T::ZERO };
-        status.bad_input |= !input.rate.is_finite();
-        let asked = if self.last.mode == Mode::Run && !status.force_lost { asked } else { T::ZERO };
-        let change = dt / self.settings.timing.ramp;
-        let rate = asked.at_least(self.last.rate - change).at_most(self.last.rate + change);
-        if status.force_lost && rate <= T::ZERO {
-            self.on(Event::ForceLost);
-        }
-        self.walk(force, rate, dt, status);
-
-        status.ended = !self.ended && self.last.phase <= self.end_phase;
-        self.ended |= status.ended;
-    }
-
-    /// The force that the model sees, good or not.
-    fn feel(&mut self, input: &Input<T, D>, dt: T, status: &mut Status) -> [T; D] {
-        let timing = &self.settings.timing;
-        let good = input.force_age <= timing.oldest_force && input.measured_force.iter().all(|force| force.is_finite());
-        if good {
-            let largest = T::of(LARGEST);
-            self.good_force = input.measured_force.map(|force| cut(force, T::ZERO, largest).0);
-            self.lost_for = T::ZERO;
-        } else {
-            self.lost_for = (self.lost_for + dt).at_most(T::of(LARGEST));
-        }
-        status.bad_force = !good;
-        status.force_lost = self.lost_for > timing.hold;
-        let compensated = self.settings.conditioning.compensated(&self.force, self.good_force);
-        let mut forces = compensated.iter().zip(&self.settings.axes);
-        status.force_tripped = good && forces.any(|(force, axis)| force.abs() > axis.trip_force);
-        self.settings.conditioning.settle(&mut self.force, compensated, dt)
-    }
-
-    /// Stops where a force or the robot's distance from the command is too large.
-    fn watch(&mut self, input: &Input<T, D>, status: &mut Status) {
-        if let Some(measured) = input.measured_position {
-            if measured.iter().all(|position| position.is_finite()) {
-                let gaps = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
-                status.tracking_tripped =
-                    gaps.into_iter().any(|((&at, command), axis)| (at - command.position).abs() > axis.tracking);
-            } else {
-                status.bad_input = true;
-            }
-        }
-        if status.force_tripped || status.tracking_tripped {
-            self.on(Event::Tripped);
-        }
-    }
-
-    /// Advances reference, offsets and commands.
-    fn walk(&mut self, force: [T; D], rate: T, dt: T, status: &mut Status) {
-        let tank = self.settings.tank;
-        let gives = !status.force_lost && matches!(self.last.mode, Mode::Run | Mode::Hold | Mode::Stop);
-        let duration = self.skill.phase().duration();
-        let fall = self.skill.phase().fall(rate, dt * T::of(0.5));
-        let middle = self.last.phase * fall;
-
-        // Stiffness as the tank allows it; the whole step of every reference, and what it would cost.
-        let mut next = self.axes.map(|state| state.reference);
-        let mut share = T::ONE;
-        let mut cost = T::ZERO;
-        let mut transition: Option<(T, Transition<T>)> = None;
-        let parts = next.iter_mut().zip(&self.axes).zip(&mut self.last.axes).zip(self.skill.axes());
-        let parts = parts.zip(&self.settings.axes).zip(&self.laws).zip(force).zip(self.skill.at(middle));
-        for (((((((next, state), command), primitives), settings), law), force), profile) in parts {
-            let (sensed, strong) = cut(force, T::ZERO, settings.limits.force);
-            let force = if settings.compliance == Compliance::Rigid { T::ZERO } else { sensed };
-            let stiffness = tank.map_or(profile.stiffness, |tank| {
-                let (energy, offset) = (&mut self.last.energy, state.offset.offset);
-                tank.stiffness(energy, command.stiffness, profile.stiffness, offset, dt)
-            });
-            status.energy_short |= stiffness < profile.stiffness;
-            let damping = match (settings.law, law) {
-                (Law::SecondOrder { damping, .. }, Some(law)) => damping.at(law.mass(), stiffness, profile.damping),
-                _ => profile.damping,
-            };
-            (command.force, command.stiffness, command.damping) = (force, stiffness, damping);
-            command.hits = Hits { force: strong, ..Hits::default() };
-
-            let alpha = primitives.movement.alpha();
-            let step = match transition {
-                Some((same, step)) if same == alpha => step,
-                _ => Transition::new(alpha, rate * dt / duration),
-            };
-            transition = Some((alpha, step));
-            *next = state.reference.ahead(&step, profile.forcing);
-            let distance = state.reference.distance(next);
-            let farthest = settings.limits.velocity * dt;
-            if distance.abs() > farthest {
-                share = share.at_most(farthest / distance.abs());
-            }
-            cost = cost - force * distance;
-        }
-        if let Some(available) = tank.map(|tank| tank.available(self.last.energy))
-            && cost > available
-        {
-            share = share.at_most(available / cost);
-            status.energy_short = true;
-        }
-        self.last.phase += share * (middle * fall - self.last.phase);
-        self.last.rate = rate * share;
-
-        let presses = tank.is_none_or(|tank| tank.available(self.last.energy) > T::ZERO);
-        let mut balance = T::ZERO;
-        let parts = self.axes.iter_mut().zip(&mut self.last.axes).zip(&next).zip(&self.settings.axes).zip(&self.laws);
-        for ((((state, command), next), settings), law) in parts {
-            let AxisOutput { force, stiffness, damping, .. } = *command;
-            let drive = match settings.compliance {
-                Compliance::Press(setpoint) if presses => force + setpoint,
-                Compliance::Press(_) => {
-                    status.energy_short = true;
-                    force
-                }
-                Compliance::Rigid | Compliance::Compliant => force,
-            };
-            let kinetic = |velocity| law.map_or(T::ZERO, |law| kinetic_energy(law.mass(), velocity));
-            let stored = |at: OffsetMotion<T>| spring_energy(stiffness, at.offset) + kinetic(at.velocity);
-            let travel = share * state.reference.distance(next);
-            if share < T::ONE {
-                state.reference.go(next, share);
-            } else {
-                state.reference = *next;
-            }
-
-            let before = state.offset;
-            match law {
-                _ if !gives => state.offset.velocity = T::ZERO,
-                Some(law) => law.step(&mut state.offset, stiffness, damping, drive, dt),
-                None => {
-                    state.offset.offset = step_offset(before.offset, stiffness, damping, drive, dt);
-                    state.offset.velocity = (state.offset.offset - before.offset) / dt;
-                }
-            }
-            let limits = &settings.limits;
-            let wanted = (state.offset.offset - before.offset) / dt;
-            let room = [limits.offset + before.offset, limits.offset - before.offset];
-            let (giving, held) = brake(wanted, room, limits.acceleration, dt);
-            let (velocity, mut hits) = limits.velocity(command.position, command.velocity, travel / dt + giving, dt);
-            if held || hits.any_motion() {
-                let give = if hits.any_motion() { velocity * dt - travel } else { giving * dt };
-                let offset = before.offset + give;
-                let (kept, dragged) = cut(offset, T::ZERO, limits.offset);
-                state.offset = OffsetMotion { offset: kept, velocity: give / dt };
-                state.reference.shift(offset - kept);
-                hits.offset = held || dragged;
-            }
-            balance += force * (velocity * dt) - (stored(state.offset) - stored(before));
-
-            let [min, max] = limits.position;
-            command.position = (state.reference.position() + state.offset.offset).at_least(min).at_most(max);
-            command.velocity = velocity;
-            command.offset = state.offset.offset;
-            command.hits = Hits { force: command.hits.force, ..hits };
-        }
-        if let Some(tank) = tank {
-            tank.book(&mut self.last.energy, balance);
-        }
     }
 }

@@ -58,17 +58,25 @@ impl Hits {
     }
 }
 
-/// The part of the velocity `wanted` that `acceleration` can still stop before a wall, `room` = distance to the wall
-/// below and above, over a step of `dt`; and whether it is less than all. The root is taken only at a wall.
+/// Whether `acceleration` can still stop a velocity `wanted` before a wall, `room` = distance to the wall below and above,
+/// over a step of `dt`.
 #[inline]
-pub(crate) fn brake<T: Real + PartialOrd>(wanted: T, room: [T; 2], acceleration: T, dt: T) -> (T, bool) {
+fn stops<T: Real + PartialOrd>(wanted: T, room: [T; 2], acceleration: T, dt: T) -> bool {
     let [below, above] = room;
     let (speed, distance) = (wanted.abs(), if wanted < T::ZERO { below } else { above });
-    let (reach, change) = (acceleration * distance, acceleration * dt);
-    if speed * (T::of(0.5) * speed + change) <= reach {
+    speed * (T::of(0.5) * speed + acceleration * dt) <= acceleration * distance
+}
+
+/// The part of the velocity `wanted` that can still be [stopped](stops), and whether it is less than all. The root is
+/// taken only at a wall.
+#[inline]
+pub(crate) fn brake<T: Real + PartialOrd>(wanted: T, room: [T; 2], acceleration: T, dt: T) -> (T, bool) {
+    if stops(wanted, room, acceleration, dt) {
         return (wanted, false);
     }
-    let reach = reach.at_least(T::ZERO);
+    let [below, above] = room;
+    let (speed, distance) = (wanted.abs(), if wanted < T::ZERO { below } else { above });
+    let (reach, change) = ((acceleration * distance).at_least(T::ZERO), acceleration * dt);
     let most = (reach + reach) / (change + (change * change + reach + reach).sqrt());
     (if wanted < T::ZERO { -most.min(speed) } else { most.min(speed) }, most < speed)
 }
@@ -135,9 +143,16 @@ impl<T: Real + PartialOrd> Limits<T> {
     #[inline]
     pub fn velocity(&self, position: T, velocity: T, wanted: T, dt: T) -> (T, Hits) {
         let [min, max] = self.position;
+        let room = [position - min, max - position];
         let change = self.acceleration * dt;
+        let free = wanted.abs() <= self.velocity
+            && stops(wanted, room, self.acceleration, dt)
+            && (wanted - velocity).abs() <= change;
+        if free {
+            return (wanted, Hits::default());
+        }
         let (found, too_fast) = cut(wanted, T::ZERO, self.velocity);
-        let (found, walled) = brake(found, [position - min, max - position], self.acceleration, dt);
+        let (found, walled) = brake(found, room, self.acceleration, dt);
         let (found, jerked) = cut(found, velocity, change);
         (found, Hits { velocity: too_fast, position: walled, acceleration: jerked, ..Hits::default() })
     }

@@ -113,11 +113,11 @@ pub struct MovementState<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition<T> {
     position_from_position: T,
+    /// As well as `velocity_from_forcing`.
     position_from_velocity: T,
     velocity_from_position: T,
     velocity_from_velocity: T,
     position_from_forcing: T,
-    velocity_from_forcing: T,
 }
 
 /// Below this u the closed form of G1 loses digits and its series takes over.
@@ -127,7 +127,19 @@ const SERIES_BELOW: f64 = 0.05;
 const SERIES: [f64; 8] =
     [1.0 / 2.0, -2.0 / 6.0, 3.0 / 24.0, -4.0 / 120.0, 5.0 / 720.0, -6.0 / 5040.0, 7.0 / 40320.0, -8.0 / 362_880.0];
 
+/// So many of them count in single precision.
+const SINGLE_TERMS: usize = 5;
+
 impl<T: Real> Transition<T> {
+    /// A step in which all comes to rest at the goal.
+    pub(crate) const NONE: Self = Self {
+        position_from_position: T::ZERO,
+        position_from_velocity: T::ZERO,
+        velocity_from_position: T::ZERO,
+        velocity_from_velocity: T::ZERO,
+        position_from_forcing: T::ZERO,
+    };
+
     /// The step for spring factor `alpha` over `normalised_dt = rate dt / duration` (at least 0).
     #[inline]
     pub fn new(alpha: T, normalised_dt: T) -> Self {
@@ -138,14 +150,15 @@ impl<T: Real> Transition<T> {
         let decay = T::ONE - settled;
         // 1 - E from expm1 keeps the digits that 1 - (1+u) E cancels.
         let closed = || (settled - u * decay) / (p * p);
-        let series = || dth * dth * SERIES.iter().rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
+        let single = (T::ONE + T::of(1e-12)).to_f64() <= 1.0;
+        let terms = SERIES.iter().take(if single { SINGLE_TERMS } else { SERIES.len() });
+        let series = || dth * dth * terms.rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
         Self {
             position_from_position: decay * (T::ONE + u),
             position_from_velocity: decay * dth,
             velocity_from_position: -decay * p * p * dth,
             velocity_from_velocity: decay * (T::ONE - u),
             position_from_forcing: u.choose_below(T::of(SERIES_BELOW), series, closed),
-            velocity_from_forcing: dth * decay,
         }
     }
 
@@ -159,6 +172,14 @@ impl<T: Real> Transition<T> {
             + self.position_from_velocity * z
             + self.position_from_forcing * forcing;
         state.scaled_velocity =
-            self.velocity_from_position * y + self.velocity_from_velocity * z + self.velocity_from_forcing * forcing;
+            self.velocity_from_position * y + self.velocity_from_velocity * z + self.position_from_velocity * forcing;
+    }
+
+    /// [`apply`](Self::apply) with the goal at nought, without forcing.
+    #[inline]
+    pub(crate) fn fade(&self, state: &mut MovementState<T>) {
+        let MovementState { position: y, scaled_velocity: z } = *state;
+        state.position = self.position_from_position * y + self.position_from_velocity * z;
+        state.scaled_velocity = self.velocity_from_position * y + self.velocity_from_velocity * z;
     }
 }

@@ -342,6 +342,18 @@ fn a_basis_that_primitives_share_is_evaluated_once_and_alike() {
 }
 
 #[test]
+fn an_overlap_too_small_for_the_scalar_is_refused() {
+    let mixed = |overlap: f32| {
+        let basis = Basis::equally_spaced_in_time(4.6_f32, overlap, [0.0; 3], [0.0; 3])?;
+        // Half way between two centers, where the powers are largest.
+        Ok::<_, ConfigError>(basis.mix((-4.6_f32 / 4.0).exp(), [&[7.0; 3]]))
+    };
+    assert!((mixed(1e-37).unwrap()[0] - 7.0).abs() < 1e-5);
+    let refused = mixed(1e-38).unwrap_err().to_string();
+    assert_eq!(refused, "overlap to the power of minus its reach is not a finite number");
+}
+
+#[test]
 fn a_basis_moves_to_other_storage_only_unchanged() {
     let bases = [Basis::equally_spaced, Basis::equally_spaced_in_time].map(|new| new(4.6, 0.6, [0.0; 3], [0.0; 3]));
     for basis in bases.map(Result::unwrap) {

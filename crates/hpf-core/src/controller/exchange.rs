@@ -117,18 +117,7 @@ pub struct Counters {
     pub faults: u32,
 }
 
-impl Counters {
-    /// Counts what `status` reports.
-    pub(super) fn count(&mut self, status: &Status) {
-        for (counter, happened) in [
-            (&mut self.bad_time, status.bad_time),
-            (&mut self.long_time, status.long_time),
-            (&mut self.bad_force, status.bad_force),
-            (&mut self.bad_input, status.bad_input),
-            (&mut self.refused, status.refused),
-            (&mut self.trips, status.force_tripped || status.tracking_tripped),
-        ] {
-            *counter = counter.saturating_add(u32::from(happened));
-        }
-    }
+/// Counts one more.
+pub(super) fn count(counter: &mut u32) {
+    *counter = counter.saturating_add(1);
 }

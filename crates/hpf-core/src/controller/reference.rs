@@ -11,63 +11,81 @@ use crate::{MovementState, Real, Transition};
 pub(super) struct Reference<T> {
     /// Where it goes in the end [axis unit].
     pub target: T,
-    /// Motion relative to the target.
+    course: Course<T>,
+}
+
+/// Motion relative to the target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Course<T> {
     motion: MovementState<T>,
-    /// Gliding goal relative to the target.
+    /// The gliding goal.
     goal: MovementState<T>,
 }
 
-impl<T: Real> Reference<T> {
+impl<T: Real> Course<T> {
+    /// At rest at the target.
+    pub const AT_GOAL: Self = {
+        let rest = MovementState { position: T::ZERO, scaled_velocity: T::ZERO };
+        Self { motion: rest, goal: rest }
+    };
+}
+
+impl<T: Real + PartialOrd> Reference<T> {
     /// At rest at `position`, on its way to `target`.
     pub fn at_rest(position: T, target: T) -> Self {
-        let rest = MovementState { position: T::ZERO, scaled_velocity: T::ZERO };
-        Self { target, motion: MovementState { position: position - target, ..rest }, goal: rest }
+        let mut course = Course::AT_GOAL;
+        course.motion.position = position - target;
+        Self { target, course }
     }
 
     /// Position [axis unit].
     #[inline]
     pub fn position(&self) -> T {
-        self.target + self.motion.position
+        self.target + self.course.motion.position
     }
 
     /// Gives it another target; neither the motion nor the gliding goal jumps.
     pub fn retarget(&mut self, target: T) {
         let gap = self.target - target;
         self.target = target;
-        self.motion.position += gap;
-        self.goal.position += gap;
+        self.course.motion.position += gap;
+        self.course.goal.position += gap;
     }
 
     /// Moves it by `distance` without changing how it moves.
     #[inline]
     pub fn shift(&mut self, distance: T) {
-        self.motion.position += distance;
+        self.course.motion.position += distance;
     }
 
-    /// The reference one step later, `forcing` held over the step.
+    /// Its course one step later, `forcing` held over the step.
     #[inline]
-    pub fn ahead(&self, transition: &Transition<T>, forcing: T) -> Self {
-        let mut next = *self;
-        transition.apply(&mut next.goal, T::ZERO, T::ZERO);
-        let middle = T::of(0.5) * (self.goal.position + next.goal.position);
-        transition.apply(&mut next.motion, middle, forcing);
-        next
+    pub fn ahead(&self, transition: &Transition<T>, forcing: T) -> Course<T> {
+        let Course { mut motion, mut goal } = self.course;
+        transition.fade(&mut goal);
+        let middle = T::of(0.5) * (self.course.goal.position + goal.position);
+        transition.apply(&mut motion, middle, forcing);
+        Course { motion, goal }
     }
 
     /// How far `next` is from here [axis unit].
     #[inline]
-    pub fn distance(&self, next: &Self) -> T {
-        next.motion.position - self.motion.position
+    pub fn distance(&self, next: &Course<T>) -> T {
+        next.motion.position - self.course.motion.position
     }
 
     /// Goes the part `share` of the way to `next`.
     #[inline]
-    pub fn go(&mut self, next: &Self, share: T) {
+    pub fn go(&mut self, next: &Course<T>, share: T) {
+        if share >= T::ONE {
+            self.course = *next;
+            return;
+        }
         let part = |from: MovementState<T>, to: MovementState<T>| MovementState {
             position: from.position + share * (to.position - from.position),
             scaled_velocity: from.scaled_velocity + share * (to.scaled_velocity - from.scaled_velocity),
         };
-        self.motion = part(self.motion, next.motion);
-        self.goal = part(self.goal, next.goal);
+        let Course { motion, goal } = self.course;
+        self.course = Course { motion: part(motion, next.motion), goal: part(goal, next.goal) };
     }
 }

@@ -66,10 +66,22 @@ impl<T: Real> EnergyTank<T> {
 
     /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].
     #[inline]
-    pub fn stiffness(&self, energy: &mut T, stiffness: T, wanted: T, offset: T, dt: T) -> T {
+    pub fn stiffness(&self, energy: &mut T, stiffness: T, wanted: T, offset: T, dt: T) -> T
+    where
+        T: PartialOrd,
+    {
         let square = offset * offset;
+        let gain = T::of(0.5) * (stiffness - wanted) * square;
+        // At no offset any stiffness is free.
+        if gain >= T::ZERO {
+            self.book(energy, gain);
+            return wanted;
+        }
+        if -gain <= *energy - self.reserve && -gain <= self.power * dt {
+            *energy += gain;
+            return wanted;
+        }
         let paid = self.available(*energy).at_most(self.power * dt);
-        // At no offset any stiffness is free; 0/0 is NaN, which becomes the bound.
         let allowed = (stiffness + (paid + paid) / square).at_most(wanted);
         self.book(energy, T::of(0.5) * (stiffness - allowed) * square);
         allowed

@@ -1,0 +1,234 @@
+//! One step of a controller: force, rate, reference, offset, limits and the books of energy.
+
+use super::exchange::count;
+use super::reference::Course;
+use super::{Compliance, Controller, Event, Filter, Input, Law, Mode, Pace, Settings};
+use crate::admittance::{OffsetMotion, step_offset};
+use crate::controller::AxisOutput;
+use crate::limits::{Hits, LARGEST, brake, cut};
+use crate::passivity::{kinetic_energy, spring_energy};
+use crate::{AxisPrimitives, Real, Transition};
+
+impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
+    /// One step of a `dt` that is in order.
+    pub(super) fn advance(&mut self, input: &Input<T, D>, dt: T) {
+        let force = self.feel(input, dt);
+        self.watch(input);
+        let rate = self.next_rate(input.rate, dt);
+        self.keep_pace(rate, dt);
+        self.walk(force, rate, dt);
+        if !self.ended && self.last.phase <= self.end_phase {
+            self.ended = true;
+            self.last.status.ended = true;
+        }
+    }
+
+    /// The force that the model sees, good or not.
+    fn feel(&mut self, input: &Input<T, D>, dt: T) -> [T; D] {
+        let Settings { axes, conditioning, timing, .. } = &self.settings;
+        let status = &mut self.last.status;
+        let largest = T::of(LARGEST);
+        let measured = &input.measured_force;
+        let fresh = input.force_age <= timing.oldest_force;
+        // One comparison an axis, where the reading is as it should be.
+        let usual = fresh && measured.iter().all(|force| force.abs() <= largest);
+        let good = usual || fresh && measured.iter().all(|force| force.is_finite());
+        if good {
+            self.good_force = if usual { *measured } else { measured.map(|force| cut(force, T::ZERO, largest).0) };
+            self.lost_for = T::ZERO;
+        } else {
+            self.lost_for = (self.lost_for + dt).at_most(largest);
+            status.bad_force = true;
+            status.force_lost = self.lost_for > timing.hold;
+            count(&mut self.counters.bad_force);
+        }
+        let compensated = conditioning.compensated(&self.force, self.good_force);
+        let mut forces = compensated.iter().zip(axes);
+        if good && forces.any(|(force, axis)| force.abs() > axis.trip_force) {
+            status.force_tripped = true;
+        }
+        if self.filter.dt != dt {
+            self.filter = Filter { dt, settled: conditioning.settled(dt) };
+        }
+        conditioning.settle(&mut self.force, compensated, self.filter.settled)
+    }
+
+    /// Stops where a force or the robot's distance from the command is too large.
+    fn watch(&mut self, input: &Input<T, D>) {
+        if let Some(measured) = input.measured_position {
+            if measured.iter().all(|position| position.is_finite()) {
+                let gaps = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
+                self.last.status.tracking_tripped =
+                    gaps.into_iter().any(|((&at, command), axis)| (at - command.position).abs() > axis.tracking);
+            } else {
+                self.note_bad_input();
+            }
+        }
+        if self.last.status.force_tripped || self.last.status.tracking_tripped {
+            count(&mut self.counters.trips);
+            self.on(Event::Tripped);
+        }
+    }
+
+    /// Counts once a step that an input was no number.
+    #[cold]
+    fn note_bad_input(&mut self) {
+        if !self.last.status.bad_input {
+            self.last.status.bad_input = true;
+            count(&mut self.counters.bad_input);
+        }
+    }
+
+    /// The rate of time in this step, where `asked` is asked for.
+    fn next_rate(&mut self, asked: T, dt: T) -> T {
+        let mut rate = asked.at_least(T::ZERO).at_most(T::ONE);
+        if rate != asked && !asked.is_finite() {
+            rate = T::ZERO;
+            self.note_bad_input();
+        }
+        if self.last.mode != Mode::Run || self.last.status.force_lost {
+            rate = T::ZERO;
+        }
+        if rate != self.last.rate {
+            let change = dt / self.settings.timing.ramp;
+            rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
+        }
+        if self.last.status.force_lost && rate <= T::ZERO {
+            self.on(Event::ForceLost);
+        }
+        rate
+    }
+
+    /// Makes anew what the step's length and the rate of time decide, where one of them is not what it was.
+    #[inline]
+    fn keep_pace(&mut self, rate: T, dt: T) {
+        if self.pace.rate == rate && self.pace.dt == dt {
+            return;
+        }
+        let phase = self.skill.phase();
+        self.pace = Pace { dt, rate, fall: phase.fall(rate, dt * T::of(0.5)) };
+        let mut last = (T::ZERO, Transition::NONE);
+        for (state, AxisPrimitives { movement, .. }) in self.axes.iter_mut().zip(self.skill.axes()) {
+            if movement.alpha() != last.0 {
+                last = (movement.alpha(), Transition::new(movement.alpha(), rate * dt / phase.duration()));
+            }
+            state.step = last.1;
+        }
+    }
+
+    /// Advances reference, offsets and commands.
+    fn walk(&mut self, force: [T; D], rate: T, dt: T) {
+        let tank = self.settings.tank.as_ref();
+        let gives = !self.last.status.force_lost && matches!(self.last.mode, Mode::Run | Mode::Hold | Mode::Stop);
+        let fall = self.pace.fall;
+        let middle = self.last.phase * fall;
+
+        // Stiffness as the tank allows it; the whole step of every reference, and what it would cost.
+        let mut next = [Course::AT_GOAL; D];
+        let mut share = T::ONE;
+        let mut cost = T::ZERO;
+        let mut short = false;
+        let parts = next.iter_mut().zip(&self.axes).zip(&mut self.last.axes).zip(&self.settings.axes);
+        for (((((next, state), command), settings), force), profile) in parts.zip(force).zip(self.skill.at(middle)) {
+            let (sensed, strong) = cut(force, T::ZERO, settings.limits.force);
+            let force = if settings.compliance == Compliance::Rigid { T::ZERO } else { sensed };
+            let stiffness = tank.map_or(profile.stiffness, |tank| {
+                let (energy, offset) = (&mut self.last.energy, state.offset.offset);
+                tank.stiffness(energy, command.stiffness, profile.stiffness, offset, dt)
+            });
+            short |= stiffness < profile.stiffness;
+            let damping = match (settings.law, &state.law) {
+                (Law::SecondOrder { damping, .. }, Some(law)) => damping.at(law.mass(), stiffness, profile.damping),
+                _ => profile.damping,
+            };
+            (command.force, command.stiffness, command.damping) = (force, stiffness, damping);
+            command.hits = Hits::default();
+            if strong {
+                command.hits.force = true;
+            }
+
+            *next = state.reference.ahead(&state.step, profile.forcing);
+            let distance = state.reference.distance(next);
+            let farthest = settings.limits.velocity * dt;
+            if distance.abs() > farthest {
+                share = lesser(share, farthest, distance.abs());
+            }
+            cost = cost - force * distance;
+        }
+        if let Some(available) = tank.map(|tank| tank.available(self.last.energy))
+            && cost > available
+        {
+            share = lesser(share, available, cost);
+            short = true;
+        }
+        self.last.phase += share * (middle * fall - self.last.phase);
+        self.last.rate = rate * share;
+
+        let mut balance = T::ZERO;
+        let parts = self.axes.iter_mut().zip(&mut self.last.axes).zip(&next).zip(&self.settings.axes);
+        for (((state, command), next), settings) in parts {
+            let AxisOutput { force, stiffness, damping, .. } = *command;
+            let mut drive = force;
+            if let Compliance::Press(setpoint) = settings.compliance {
+                if tank.is_none_or(|tank| tank.available(self.last.energy) > T::ZERO) {
+                    drive += setpoint;
+                } else {
+                    short = true;
+                }
+            }
+            let law = state.law;
+            let stored = |at: OffsetMotion<T>| {
+                let spring = spring_energy(stiffness, at.offset);
+                law.map_or(spring, |law| spring + kinetic_energy(law.mass(), at.velocity))
+            };
+            let travel = share * state.reference.distance(next);
+            state.reference.go(next, share);
+
+            let before = state.offset;
+            let wanted = match law {
+                _ if !gives => {
+                    state.offset.velocity = T::ZERO;
+                    T::ZERO
+                }
+                Some(law) => {
+                    law.step(&mut state.offset, stiffness, damping, drive, dt);
+                    (state.offset.offset - before.offset) / dt
+                }
+                None => {
+                    state.offset.offset = step_offset(before.offset, stiffness, damping, drive, dt);
+                    state.offset.velocity = (state.offset.offset - before.offset) / dt;
+                    state.offset.velocity
+                }
+            };
+            let limits = &settings.limits;
+            let room = [limits.offset + before.offset, limits.offset - before.offset];
+            let (giving, held) = brake(wanted, room, limits.acceleration, dt);
+            let (velocity, hits) = limits.velocity(command.position, command.velocity, travel / dt + giving, dt);
+            if held || hits.any_motion() {
+                let give = if hits.any_motion() { velocity * dt - travel } else { giving * dt };
+                let offset = before.offset + give;
+                let (kept, dragged) = cut(offset, T::ZERO, limits.offset);
+                state.offset = OffsetMotion { offset: kept, velocity: give / dt };
+                state.reference.shift(offset - kept);
+                command.hits = Hits { force: command.hits.force, offset: held || dragged, ..hits };
+            }
+            balance += force * (velocity * dt) - (stored(state.offset) - stored(before));
+
+            let [min, max] = limits.position;
+            command.position = (state.reference.position() + state.offset.offset).at_least(min).at_most(max);
+            command.velocity = velocity;
+            command.offset = state.offset.offset;
+        }
+        if let Some(tank) = tank {
+            tank.book(&mut self.last.energy, balance);
+        }
+        self.last.status.energy_short = short;
+    }
+}
+
+/// The smaller of `share` and `part / whole`; what seldom happens stays out of the way of what always does.
+#[cold]
+#[inline(never)]
+fn lesser<T: Real>(share: T, part: T, whole: T) -> T {
+    share.at_most(part / whole)
+}
