@@ -32,13 +32,13 @@ while read -r scalar family axes bound; do
     echo "$scalar $family $axes: $each ($bound)"
     if [ "$each" -le 0 ] || [ "$each" -gt "$bound" ]; then sound=false; fi
 done <<'BOUNDS'
-f32 phase 2 2600
-f32 time 2 1490
-f32 phase 6 5390
-f32 time 6 3950
-f64 phase 2 3040
-f64 time 2 1670
-f64 phase 6 6200
-f64 time 6 4970
+f32 phase 2 2540
+f32 time 2 1440
+f32 phase 6 5240
+f32 time 6 3760
+f64 phase 2 3020
+f64 time 2 1660
+f64 phase 6 6060
+f64 time 6 4790
 BOUNDS
 $sound || { echo "FAILED: a count is above its bound"; exit 1; }

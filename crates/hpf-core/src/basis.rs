@@ -286,7 +286,9 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     pub fn mix_sets<const K: usize, const M: usize>(&self, s: T, weights: [[&[T]; K]; M]) -> [[T; K]; M] {
         let mut mixer = Mixer { weights, mixed: [[T::ZERO; K]; M] };
         let per_sum = T::ONE / self.scan(s, &mut mixer);
-        mixer.mixed.map(|set| set.map(|mixed| mixed * per_sum))
+        // In place: a map of arrays as long as those of six axes becomes copies upon copies.
+        mixer.mixed.as_flattened_mut().iter_mut().for_each(|mixed| *mixed = *mixed * per_sum);
+        mixer.mixed
     }
 
     /// Writes `phi_i(s)` into `out`, one entry per function.
@@ -350,7 +352,9 @@ struct Mixer<'a, T, const K: usize, const M: usize> {
 impl<T: Real, const K: usize, const M: usize> Sink<T> for Mixer<'_, T, K, M> {
     #[inline(always)]
     fn start(&mut self, at: usize) {
-        self.mixed = self.weights.map(|set| set.map(|list| list.get(at).copied().unwrap_or(T::ZERO)));
+        for (mixed, list) in self.mixed.as_flattened_mut().iter_mut().zip(self.weights.as_flattened()) {
+            *mixed = list.get(at).copied().unwrap_or(T::ZERO);
+        }
     }
 
     #[inline(always)]

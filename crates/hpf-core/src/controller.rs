@@ -86,26 +86,19 @@ pub struct Controller<T, S, const D: usize> {
     lost_for: T,
     ended: bool,
     counters: Counters,
-    filter: Filter<T>,
     pace: Pace<T>,
     /// The last output; phase, rate, energy, mode and motion of the commands are the state of what they say.
     last: Output<T, D>,
 }
 
-/// What the force filter makes of a step's length: kept while steps are equally long.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Filter<T> {
-    /// The step's length [s]; nought where none has been looked at.
-    dt: T,
-    /// The share of a change of force that it lets through in one step.
-    settled: T,
-}
-
-/// What a step's length and the rate of time decide, beside [`AxisState::step`]: kept while both stay what they are.
+/// What a step's length and the rate of time decide, beside [`AxisState::step`]: kept while they stay what they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pace<T> {
     /// The step's length [s]; nought where none has been looked at.
     dt: T,
+    /// The share of a change of force that the filter lets through in one step.
+    settled: T,
+    /// The rate that the rest is for; none that can be where the step's length is new.
     rate: T,
     /// By what the phase falls in half a step.
     fall: T,
@@ -161,8 +154,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             lost_for: T::of(LARGEST),
             ended: false,
             counters: Counters::default(),
-            filter: Filter { dt: T::ZERO, settled: T::ZERO },
-            pace: Pace { dt: T::ZERO, rate: T::ZERO, fall: T::ONE },
+            pace: Pace { dt: T::ZERO, settled: T::ZERO, rate: T::ZERO, fall: T::ONE },
             last: Output {
                 axes: [rest; D],
                 phase: T::ONE,
@@ -227,7 +219,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                     self.last.energy
                 });
                 self.settings = settings;
-                self.filter.dt = T::ZERO;
+                self.pace.dt = T::ZERO;
                 Ok(())
             }
             Err(refusal) => {

@@ -172,11 +172,11 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
                     .map(|movement| [movement, stiffness.next().unwrap_or(T::ZERO), damping.next().unwrap_or(T::ZERO)])
             }
         };
-        let mut mixed = mixed.into_iter();
-        axes.map(|axis| {
-            let [movement, stiffness, damping] = mixed.next().unwrap_or([T::ZERO; 3]);
-            Profile { forcing: axis.movement.forcing(s, movement), stiffness, damping }
-        })
+        let mut profiles = [Profile { forcing: T::ZERO, stiffness: T::ZERO, damping: T::ZERO }; D];
+        for ((profile, axis), &[movement, stiffness, damping]) in profiles.iter_mut().zip(&self.axes).zip(&mixed) {
+            *profile = Profile { forcing: axis.movement.forcing(s, movement), stiffness, damping };
+        }
+        profiles
     }
 
     /// At rest at the start, without offset.

@@ -2,7 +2,7 @@
 
 use super::exchange::count;
 use super::reference::Course;
-use super::{Compliance, Controller, Event, Filter, Input, Law, Mode, Pace, Settings};
+use super::{Compliance, Controller, Event, Input, Law, Mode, Settings};
 use crate::admittance::{OffsetMotion, step_offset};
 use crate::controller::AxisOutput;
 use crate::limits::{Hits, LARGEST, brake, cut};
@@ -47,10 +47,10 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if good && forces.any(|(force, axis)| force.abs() > axis.trip_force) {
             status.force_tripped = true;
         }
-        if self.filter.dt != dt {
-            self.filter = Filter { dt, settled: conditioning.settled(dt) };
+        if self.pace.dt != dt {
+            (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
         }
-        conditioning.settle(&mut self.force, compensated, self.filter.settled)
+        conditioning.settle(&mut self.force, compensated, self.pace.settled)
     }
 
     /// Stops where a force or the robot's distance from the command is too large.
@@ -81,10 +81,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 
     /// The rate of time in this step, where `asked` is asked for.
     fn next_rate(&mut self, asked: T, dt: T) -> T {
-        let mut rate = asked.at_least(T::ZERO).at_most(T::ONE);
-        if rate != asked && !asked.is_finite() {
-            rate = T::ZERO;
-            self.note_bad_input();
+        let mut rate = asked;
+        if !(T::ZERO..=T::ONE).contains(&asked) {
+            rate = asked.at_least(T::ZERO).at_most(T::ONE);
+            if !asked.is_finite() {
+                rate = T::ZERO;
+                self.note_bad_input();
+            }
         }
         if self.last.mode != Mode::Run || self.last.status.force_lost {
             rate = T::ZERO;
@@ -99,20 +102,22 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         rate
     }
 
-    /// Makes anew what the step's length and the rate of time decide, where one of them is not what it was.
+    /// Makes anew what the rate of time decides, where it or the step's length is not what it was.
     #[inline]
     fn keep_pace(&mut self, rate: T, dt: T) {
-        if self.pace.rate == rate && self.pace.dt == dt {
+        if self.pace.rate == rate {
             return;
         }
         let phase = self.skill.phase();
-        self.pace = Pace { dt, rate, fall: phase.fall(rate, dt * T::of(0.5)) };
-        let mut last = (T::ZERO, Transition::NONE);
+        (self.pace.rate, self.pace.fall) = (rate, phase.fall(rate, dt * T::of(0.5)));
+        let step = |alpha| Transition::new(alpha, rate * dt / phase.duration());
+        let mut last = None;
         for (state, AxisPrimitives { movement, .. }) in self.axes.iter_mut().zip(self.skill.axes()) {
-            if movement.alpha() != last.0 {
-                last = (movement.alpha(), Transition::new(movement.alpha(), rate * dt / phase.duration()));
-            }
-            state.step = last.1;
+            state.step = match last {
+                Some((alpha, step)) if alpha == movement.alpha() => step,
+                _ => step(movement.alpha()),
+            };
+            last = Some((movement.alpha(), state.step));
         }
     }
 
@@ -129,7 +134,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let mut cost = T::ZERO;
         let mut short = false;
         let parts = next.iter_mut().zip(&self.axes).zip(&mut self.last.axes).zip(&self.settings.axes);
-        for (((((next, state), command), settings), force), profile) in parts.zip(force).zip(self.skill.at(middle)) {
+        let profiles = self.skill.at(middle);
+        for (((((next, state), command), settings), &force), profile) in parts.zip(&force).zip(&profiles) {
             let (sensed, strong) = cut(force, T::ZERO, settings.limits.force);
             let force = if settings.compliance == Compliance::Rigid { T::ZERO } else { sensed };
             let stiffness = tank.map_or(profile.stiffness, |tank| {
