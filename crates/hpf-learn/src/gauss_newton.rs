@@ -7,7 +7,8 @@
 //! 2. **Bend**: each block moved by one unit and by half of it, and each pair: how far from linear it answers.
 //! 3. **Columns**: each parameter moved alone, in all groups at once.
 //! 4. **Try**: Levenberg-Marquardt steps of several dampings. **Correct**: from where they led, the model steps again,
-//!    which takes back what bending cost. The cheapest of these becomes the base if it is cheaper, group by group where no distance joins them.
+//!    which takes back what bending cost. The cheapest of these becomes the base if it is cheaper, group by group where
+//!    no distance joins them.
 //! 5. Where three rounds in a row gain next to nothing, 3 again; where that does not help either, 2 and 3 with smaller
 //!    perturbations; where those do not help or noise would hide them, learning ends.
 //!

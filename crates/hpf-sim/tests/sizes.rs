@@ -1,7 +1,8 @@
 //! Sizes: what is too large is refused by name, and the memory of what is allowed is bounded.
 
-use hpf_sim::Task;
+use hpf_learn::Problem as _;
 use hpf_sim::task::{MAX_MEMORY, MAX_NUMBERS};
+use hpf_sim::{Policy, Simulation, Task};
 
 /// A task of one axis with these keys.
 fn text(rate: f64, basis: usize, learning: &str, more: &str) -> String {
@@ -73,4 +74,18 @@ fn the_largest_tasks_allowed_need_no_more_memory_than_is_stated() {
         }
     }
     assert!((0.5 * MAX_MEMORY..=MAX_MEMORY).contains(&most), "{most}");
+}
+
+#[test]
+fn a_via_point_without_a_time_is_measured_at_every_sample() {
+    let plain = text(1000.0, 20, "method = \"auto\"", "");
+    let free = plain.replace("acceleration = 1e-6\n", "acceleration = 1e-6\nvia_distance = 1.0\n");
+    let tasks = [plain, free + "[[via_point]]\nposition = [0.5]\n"].map(|text| Task::parse(&text).unwrap());
+    let [before, after] = tasks.map(|task| {
+        let simulation = Simulation::new(&task, &Policy::initial(&task).unwrap()).unwrap();
+        (simulation.signals().unwrap().groups[0].signals.len() as f64, task.memory(1))
+    });
+    // The response to 60 parameters, at work three times.
+    let more = 60.0 * (after.0 - before.0) * 3.0 * 8.0;
+    assert!(more > 1e6 && after.1 - before.1 >= more, "{before:?} {after:?}");
 }

@@ -117,7 +117,8 @@ impl Task {
             tables.push(table("movement.basis", "parameters against parameters", parameters * parameters, 8.0));
         } else {
             let weighs = |weight: &PerAxis| weight.values().iter().any(|&weight| weight > 0.0);
-            let by_step = axes * f64::from(u8::from(weighs(&cost.acceleration)))
+            let free = self.via_point.iter().filter(|via| via.time.is_none() && cost.via_distance > 0.0).count();
+            let by_step = axes * (f64::from(u8::from(weighs(&cost.acceleration))) + free as f64)
                 + f64::from(u8::from(cost.tracking > 0.0))
                 + f64::from(u8::from(cost.contact_force > 0.0));
             let signals = by_step * (steps + 1.0) + axes * (2.0 + self.via_point.len() as f64);
