@@ -69,8 +69,8 @@ fn learning(criterion: &mut Criterion) {
     for (name, text, updates, rollouts, threads) in [
         ("cantilever, 600 updates x 20 rollouts, 1 thread", CANTILEVER, 600, 20, 1),
         ("cantilever, 600 updates x 20 rollouts, 2 threads", CANTILEVER, 600, 20, 2),
-        ("cantilever, 30 updates x 64 rollouts, 1 thread", CANTILEVER, 30, 64, 1),
-        ("cantilever, 30 updates x 64 rollouts, 2 threads", CANTILEVER, 30, 64, 2),
+        ("cantilever, 600 updates x 64 rollouts, 1 thread", CANTILEVER, 600, 64, 1),
+        ("cantilever, 600 updates x 64 rollouts, 2 threads", CANTILEVER, 600, 64, 2),
         ("76 steps, 2 axes, 10 functions: 100 updates x 10 rollouts, 1 thread", SMALL, 100, 10, 1),
         ("76 steps, 2 axes, 10 functions: 100 updates x 10 rollouts, 2 threads", SMALL, 100, 10, 2),
     ] {
@@ -83,9 +83,9 @@ fn learning(criterion: &mut Criterion) {
     }
     // What the machine allows at most: two threads that have nothing to do with each other.
     let (task, policy, simulation) = prepared(CANTILEVER);
-    let options = Pi2Options { updates: 30, rollouts: 64, ..task.learning.pi2_options() };
+    let options = Pi2Options { updates: 600, rollouts: 64, ..task.learning.pi2_options() };
     let pools = [1, 1].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
-    group.bench_function("cantilever, 30 updates x 64 rollouts, twice side by side", |bencher| {
+    group.bench_function("cantilever, 600 updates x 64 rollouts, twice side by side", |bencher| {
         let run = || learn(&simulation, policy.weights(), options, None, |_| true).unwrap();
         bencher.iter(|| {
             std::thread::scope(|scope| {
