@@ -1,5 +1,7 @@
 //! Every term of the cost, alone, against the same sum written out here from the trace.
 
+mod waves;
+
 use hpf_sim::cost::Term;
 use hpf_sim::task::{CostWeights, PerAxis, ViaPoint};
 use hpf_sim::{Policy, Simulation, Task, Trace};
@@ -15,13 +17,7 @@ fn motion(text: &str, cost: CostWeights) -> (Simulation, Trace) {
 }
 
 fn moved(task: &Task) -> (Simulation, Trace) {
-    let mut policy = Policy::initial(task).unwrap();
-    for (a, axis) in policy.axes.iter_mut().enumerate() {
-        let wave = |i: usize, speed: f64| (speed * i as f64 + a as f64).sin();
-        axis.movement.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 60.0 * wave(i, 1.1));
-        axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 200.0 + 150.0 * wave(i, 0.7));
-        axis.damping.weights.iter_mut().enumerate().for_each(|(i, w)| *w = 50.0 + 35.0 * wave(i, 0.9));
-    }
+    let policy = waves::policy(task);
     let simulation = Simulation::new(task, &policy).unwrap();
     let trace = simulation.rollout(&policy.weights());
     (simulation, trace)
