@@ -288,7 +288,7 @@ fn learning_stops_at_the_motions_allowed_and_when_asked() {
 
 #[test]
 fn auto_takes_signals_where_there_are_any_and_costs_where_not() {
-    let method = Method::Auto(AutoOptions { rollouts: 10, updates: 1000, seed: 3 });
+    let method = Method::Auto(AutoOptions { rollouts: 10, updates: 600, seed: 3 });
     let with = learn_with(&Toy::new(), Toy::start(), &method, None, |_| true).unwrap();
     assert_eq!(with.best.weights, learned(&Toy::new(), options(10)).best.weights);
     let blind = Toy { model: None, ..Toy::new() };
