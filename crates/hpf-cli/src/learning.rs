@@ -128,7 +128,7 @@ fn learn_in<P: Problem>(
     let started = Instant::now();
     let mut driver = Driver::new(problem, session);
     let mut broken = None;
-    while !(interrupt::is_asked() && driver.session().is_evaluated()) {
+    while !(interrupt::is_asked() && driver.is_at_rest()) {
         let told = driver.step();
         if let Some(why) = failure() {
             return Err(Failure::Work(why));

@@ -29,7 +29,7 @@ use crate::Real;
 const SERIES_BELOW: f64 = 1e-5;
 
 /// `(1 - exp(-x))/x` given `settled = 1 - exp(-x)`: the mean of exp(-x) over the step.
-#[inline]
+#[inline(always)]
 fn mean_decay<T: Real>(x: T, settled: T) -> T {
     x.choose_below(T::of(SERIES_BELOW), || T::ONE - x * (T::of(0.5) - x * T::of(1.0 / 6.0)), || settled / x)
 }
@@ -60,7 +60,7 @@ pub fn step_offset<T: Real>(offset: T, stiffness: T, damping: T, force: T, dt: T
 /// assert_eq!(relax(0.3_f64, 1.0, 2.0, 0.0), 0.3); // no time, no change
 /// assert!((relax(0.3_f64, 1.0, 2.0, 1e9) - 2.0).abs() < 1e-8); // stiff: on the target
 /// ```
-#[inline]
+#[inline(always)]
 pub fn relax<T: Real>(y: T, target_start: T, target_end: T, lambda_dt: T) -> T {
     let settled = -(-lambda_dt).exp_m1();
     let drift = target_end - target_start;
@@ -88,26 +88,26 @@ pub struct Instant<T> {
 
 impl<T: Real> Instant<T> {
     /// Position q at which the tool would rest [m].
-    #[inline]
+    #[inline(always)]
     pub fn target(&self) -> T {
         (self.stiffness * self.reference_position + self.damping * self.reference_velocity + self.load_force)
             / (self.stiffness + self.load_stiffness)
     }
 
     /// Rate lambda at which it gets there [1/s].
-    #[inline]
+    #[inline(always)]
     pub fn lambda(&self) -> T {
         (self.stiffness + self.load_stiffness) / self.damping
     }
 
     /// Force of the environment on a tool at `position` [N].
-    #[inline]
+    #[inline(always)]
     pub fn force(&self, position: T) -> T {
         self.load_force - self.load_stiffness * position
     }
 
     /// Velocity of a tool at `position` [m/s].
-    #[inline]
+    #[inline(always)]
     pub fn velocity(&self, position: T) -> T {
         self.reference_velocity
             + (self.force(position) - self.stiffness * (position - self.reference_position)) / self.damping

@@ -4,6 +4,9 @@
 //! operation on all lanes is one instruction. Each lane gets the bits that it would get alone, for any number of lanes
 //! and any instruction set: only additions, products, divisions and choices, each rounded by itself, never fused.
 //!
+//! The kernels of this crate that batches step are always inlined: one that is called would be compiled for what every
+//! processor has, whatever instructions the batch around it is compiled for.
+//!
 //! Exponentials have no branch and no table. With `x = k ln 2 + r`, `|r| <= ln(2)/2`:
 //! ```text
 //! e^r - 1 = r + r^2 (1/2! + r/3! + .. + r^11/13!)        rest below 1.3e-17 of it
@@ -157,20 +160,20 @@ impl<const N: usize> Real for Lanes<N> {
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two parts; 21 zero bits at the end of the first make its product with any k below exact.
 const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
-/// 1/13!, .., 1/2!
+/// 1/2!, .., 1/13!
 const FACTORIALS: [f64; 12] = [
-    1.0 / 6_227_020_800.0,
-    1.0 / 479_001_600.0,
-    1.0 / 39_916_800.0,
-    1.0 / 3_628_800.0,
-    1.0 / 362_880.0,
-    1.0 / 40_320.0,
-    1.0 / 5_040.0,
-    1.0 / 720.0,
-    1.0 / 120.0,
-    1.0 / 24.0,
-    1.0 / 6.0,
     1.0 / 2.0,
+    1.0 / 6.0,
+    1.0 / 24.0,
+    1.0 / 120.0,
+    1.0 / 720.0,
+    1.0 / 5_040.0,
+    1.0 / 40_320.0,
+    1.0 / 362_880.0,
+    1.0 / 3_628_800.0,
+    1.0 / 39_916_800.0,
+    1.0 / 479_001_600.0,
+    1.0 / 6_227_020_800.0,
 ];
 /// Beyond it every exponential is infinite.
 const LARGEST: f64 = 710.0;
@@ -194,8 +197,13 @@ fn reduce(x: f64) -> (f64, f64) {
     let low = k * LN_2[1];
     let r = high - low;
     let rest = (high - r) - low;
-    let sum = FACTORIALS.iter().fold(0.0, |sum, &factor| sum * r + factor);
-    (k, r + (r * r * sum + rest))
+    // Estrin's scheme: sums that need not wait for each other.
+    let [c0, c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11] = FACTORIALS;
+    let (r2, r4) = (r * r, (r * r) * (r * r));
+    let first = (c0 + c1 * r) + (c2 + c3 * r) * r2;
+    let second = (c4 + c5 * r) + (c6 + c7 * r) * r2;
+    let third = (c8 + c9 * r) + (c10 + c11 * r) * r2;
+    (k, r + (r2 * (first + (second + third * r4) * r4) + rest))
 }
 
 /// `2^k` for an integer k from -1022 to 1023.

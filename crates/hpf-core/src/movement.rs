@@ -74,7 +74,7 @@ impl<T: Real, S: AsRef<[T]>> Movement<T, S> {
     }
 
     /// The forcing term `F = s A sum_i w_i phi_i(s)` at phase `s`, given the mixture of the weights there.
-    #[inline]
+    #[inline(always)]
     pub fn forcing(&self, s: T, mixed_weights: T) -> T {
         s * self.forcing_scale * mixed_weights
     }
@@ -163,7 +163,7 @@ impl<T: Real> Transition<T> {
     }
 
     /// Advances `state` towards `goal`, `forcing` held over the step.
-    #[inline]
+    #[inline(always)]
     pub fn apply(&self, state: &mut MovementState<T>, goal: T, forcing: T) {
         let y = state.position - goal;
         let z = state.scaled_velocity;

@@ -1,13 +1,15 @@
 //! The loop around a session: roll out in parallel what it asks for, tell it, show what was learned.
 
 use core::slice;
-
-use rayon::prelude::*;
+use core::time::Duration;
+use std::collections::VecDeque;
+use std::time::Instant;
 
 use crate::rollouts::Crew;
 use crate::session::{Session, Told};
 use crate::{
-    AutoOptions, CmaEsOptions, Cost, GaussNewtonOptions, Note, Parameters, Pi2Error, Pi2Options, Problem, Settled,
+    AutoOptions, CmaEsOptions, Draws, GaussNewtonOptions, Note, Parameters, Pi2Error, Pi2Options, Price, Problem,
+    Settled,
 };
 
 /// A way to learn.
@@ -60,6 +62,13 @@ pub struct Progress {
     pub exploration: f64,
     /// The parameters evaluated.
     pub weights: Vec<f64>,
+}
+
+impl Progress {
+    /// The same, known to cost `price`.
+    pub(crate) fn priced(self, price: &Price) -> Self {
+        Self { total: price.total, terms: price.terms.clone(), ..self }
+    }
 }
 
 /// Why learning ended.
@@ -119,84 +128,104 @@ pub enum LearnError {
     },
 }
 
+/// Evaluations gather for no longer than this, so that whoever watches sees learning go on.
+const LONGEST_GATHERING: Duration = Duration::from_millis(100);
+
 /// Makes the motions that a session asks for on the current rayon pool: the same numbers for any number of threads.
 ///
-/// Where the problem allows it ([`Problem::may_run_ahead`]), the batch that is sure to follow an evaluation is made beside
-/// it. Its motions count once it is told: never, where nobody goes on after that evaluation.
+/// Where the problem allows it ([`Problem::may_run_ahead`]), PI2 does not wait for what its updates are found to cost:
+/// as many evaluations as make a full batch gather and are made together, beside the batch that is sure to follow. What
+/// is told, and in which order, stays the same.
 pub struct Driver<'p, P: Problem> {
     problem: &'p P,
     session: Session,
-    crew: Crew<P>,
-    /// Those of a batch.
-    costs: Vec<Cost>,
-    signals: Vec<Vec<f64>>,
-    /// How many of the costs are those of the batch asked for next, where it was made ahead.
-    ahead: Option<usize>,
-    evaluation: Evaluation<P>,
-}
-
-/// Rooms for a motion by itself.
-struct Evaluation<P: Problem> {
-    weights: Vec<f64>,
-    workspace: P::Workspace,
-    cost: Cost,
+    batch: Crew<P>,
+    evaluations: Crew<P>,
+    /// How many rollouts of a batch are made and not yet told.
+    made: Option<usize>,
+    /// What was told and is yet to be handed out.
+    told: VecDeque<Told>,
 }
 
 impl<'p, P: Problem> Driver<'p, P> {
     /// For `session`, wherever it stands, of `problem`; memory is reused from batch to batch.
     pub fn new(problem: &'p P, session: Session) -> Self {
-        let evaluation = Evaluation { weights: Vec::new(), workspace: problem.workspace(), cost: Cost::default() };
-        let (crew, costs, signals) = (Crew::new(), Vec::new(), Vec::new());
-        Self { problem, session, crew, costs, signals, ahead: None, evaluation }
+        let (batch, evaluations) = (Crew::default(), Crew::default());
+        Self { problem, session, batch, evaluations, made: None, told: VecDeque::new() }
     }
 
-    /// The session, told of every motion so far that it asked for.
+    /// The session; told of more than [`Driver::step`] has handed out unless the driver [is at rest](Self::is_at_rest).
     pub fn session(&self) -> &Session {
         &self.session
     }
 
-    /// Makes the motions asked for next and tells them; `None` where learning is over.
+    /// Whether all that was told is handed out, and the start and every update are evaluated: a good moment to stop.
+    pub fn is_at_rest(&self) -> bool {
+        self.told.is_empty() && self.session.is_evaluated()
+    }
+
+    /// What came of the motions asked for next, made where they are not made already; `None` where learning is over.
     ///
     /// # Errors
     /// As for [`Session::tell`].
     pub fn step(&mut self) -> Result<Option<Told>, LearnError> {
-        let Self { problem, session, crew, costs, signals, evaluation, .. } = self;
-        if let Some(count) = self.ahead.take() {
-            return session.tell(&costs[..count], &[]).map(Some);
+        if self.told.is_empty() {
+            self.go_on()?;
         }
-        let Some(ask) = session.ask() else { return Ok(None) };
-        let (draws, count) = (ask.draws, ask.samples.len());
-        if ask.wants_signals {
-            let (costs, signals) = (first(costs, count), first(signals, count));
-            costs.par_iter_mut().zip(&mut *signals).zip(&ask.samples).for_each_init(
-                || problem.workspace(),
-                |workspace, ((cost, signals), sample)| problem.measure(draws, *sample, workspace, cost, signals),
-            );
-            return session.tell(costs, signals).map(Some);
+        Ok(self.told.pop_front())
+    }
+
+    /// Makes and tells motions until there is something to hand out or learning is over.
+    fn go_on(&mut self) -> Result<(), LearnError> {
+        let most = if self.problem.may_run_ahead() { self.problem.together() } else { 1 };
+        let begun = Instant::now();
+        let mut updates = Vec::new();
+        loop {
+            let Self { problem, session, batch, made, told, .. } = self;
+            let due = session.evaluations().len();
+            // One that was due from the beginning is handed out before any update.
+            let is_enough = due >= most || due > updates.len() || begun.elapsed() >= LONGEST_GATHERING;
+            if due > 0 && (is_enough || !session.has_batch()) {
+                return self.evaluate(updates);
+            }
+            let count = match made.take() {
+                Some(count) => count,
+                None if session.has_batch() => batch.make_next(*problem, session),
+                None => return Ok(()),
+            };
+            let signals = batch.signals.get(..count).unwrap_or(&[]);
+            match session.tell_batch(&batch.costs[..count], signals) {
+                Ok(update) => updates.push(update),
+                Err(_) if due > 0 => {
+                    // The error holds what was learned before: that is found out first.
+                    *made = Some(count);
+                    return self.evaluate(updates);
+                }
+                Err(error) => return Err(error),
+            }
+            if session.evaluations().len() == 0 {
+                told.extend(updates);
+                return Ok(());
+            }
         }
-        let [Parameters::Constant(weights)] = ask.samples[..] else {
-            let costs = first(costs, count);
-            crew.roll_out(*problem, draws, &ask.samples, costs);
-            return session.tell(costs, &[]).map(Some);
-        };
-        evaluation.weights.clear();
-        evaluation.weights.extend(weights);
-        let mut evaluate = || {
-            let Evaluation { weights, workspace, cost } = &mut *evaluation;
-            problem.rollout(draws, Parameters::Constant(weights), workspace, cost);
-        };
-        let begin_next = || {
-            let ask = session.ahead()?;
-            let count = ask.samples.len();
-            crew.roll_out(*problem, ask.draws, &ask.samples, first(costs, count));
-            Some(count)
-        };
-        if problem.may_run_ahead() {
-            self.ahead = rayon::join(begin_next, evaluate).0;
+    }
+
+    /// Makes the evaluations that are due, and hands them out, each after its update.
+    fn evaluate(&mut self, updates: Vec<Told>) -> Result<(), LearnError> {
+        let Self { problem, session, batch, evaluations, made, told } = self;
+        let weights: Vec<Vec<f64>> = session.evaluations().map(|progress| progress.weights.clone()).collect();
+        let mut evaluate = || evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
+        if problem.may_run_ahead() && made.is_none() && session.has_batch() {
+            *made = Some(rayon::join(|| batch.make_next(*problem, session), evaluate).0);
         } else {
             evaluate();
         }
-        session.tell(slice::from_ref(&evaluation.cost), &[]).map(Some)
+        let mut updates = updates.into_iter();
+        for cost in &evaluations.costs[..weights.len()] {
+            told.extend(updates.next());
+            told.push_back(session.tell(slice::from_ref(cost), &[])?);
+        }
+        Ok(())
     }
 
     /// Goes on to the next evaluation; `None` where learning is over.
@@ -213,16 +242,10 @@ impl<'p, P: Problem> Driver<'p, P> {
     }
 }
 
-/// The first `count` rooms, made where there are fewer.
-fn first<T: Default>(rooms: &mut Vec<T>, count: usize) -> &mut [T] {
-    rooms.resize_with(count.max(rooms.len()), T::default);
-    &mut rooms[..count]
-}
-
 /// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
 ///
-/// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts`
-/// motions are made; every motion counts, but for those made beside the evaluation that `observe` stops at ([`Driver`]).
+/// `observe` sees the start and every update, in order; it returns whether to go on, and is shown all that was learned
+/// by then ([`Driver`]). No more than `max_rollouts` motions are made; every motion counts.
 ///
 /// # Errors
 /// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
@@ -236,10 +259,10 @@ pub fn learn_with<P: Problem>(
 ) -> Result<History, LearnError> {
     let session = Session::begin(problem, weights, method, max_rollouts)?;
     let mut driver = Driver::new(problem, session);
-    while let Some(progress) = driver.advance()? {
-        if !observe(&progress) {
-            break;
-        }
+    let mut goes_on = true;
+    while goes_on || !driver.is_at_rest() {
+        let Some(progress) = driver.advance()? else { break };
+        goes_on &= observe(&progress);
     }
     Ok(driver.session().history())
 }
@@ -259,6 +282,6 @@ pub fn learn<P: Problem>(
 }
 
 /// The parameters of one motion each.
-pub(crate) fn constant(samples: &[Vec<f64>]) -> Vec<Parameters<'_>> {
-    samples.iter().map(|sample| Parameters::Constant(sample)).collect()
+pub(crate) fn constant<'s>(samples: impl IntoIterator<Item = &'s Vec<f64>>) -> Vec<Parameters<'s>> {
+    samples.into_iter().map(|sample| Parameters::Constant(sample)).collect()
 }

@@ -141,13 +141,14 @@ impl Batch {
 
     /// The parameters of rollout `k`.
     pub fn sample(&self, k: usize) -> Parameters<'_> {
-        let rows = self.rows(k);
-        if self.rows == 1 { Parameters::Constant(rows) } else { Parameters::PerStep { rows, count: self.count } }
+        parameters(self.rows(k), self.rows, self.count)
     }
 }
 
-/// Random numbers of a batch from which on threads share in drawing them.
-const DRAWN_IN_PARALLEL: usize = 2000;
+/// A sample of so many rows of `count` numbers.
+fn parameters(sample: &[f64], rows: usize, count: usize) -> Parameters<'_> {
+    if rows == 1 { Parameters::Constant(sample) } else { Parameters::PerStep { rows: sample, count } }
+}
 
 /// The learner: parameters, and what an update needs of the basis.
 #[derive(Clone, Debug)]
@@ -253,20 +254,37 @@ impl Pi2 {
 
     /// Writes what [`Pi2::ask`] returns into `batch`, in the room that it has.
     pub fn ask_into(&self, batch: &mut Batch) {
+        self.begin(batch);
+        let length = batch.rows * batch.count;
+        batch.samples.chunks_exact_mut(length).enumerate().for_each(|(k, sample)| self.draw(k, sample));
+    }
+
+    /// Makes room for the samples of the next update in `batch`; returns how many there are.
+    pub(crate) fn begin(&self, batch: &mut Batch) -> usize {
         batch.count = self.weights.len();
         batch.rows = match self.options.exploration {
             Exploration::Rollout => 1,
             Exploration::Step | Exploration::Basis => self.steps,
         };
-        let length = batch.rows * batch.count;
-        batch.samples.resize(self.options.rollouts * length, 0.0);
-        let is_parallel = rayon::current_num_threads() > 1 && batch.samples.len() >= DRAWN_IN_PARALLEL;
-        if is_parallel {
-            let samples = batch.samples.par_chunks_exact_mut(length).enumerate();
-            samples.with_min_len(LANES).for_each(|(k, sample)| self.draw(k, sample));
-        } else {
-            batch.samples.chunks_exact_mut(length).enumerate().for_each(|(k, sample)| self.draw(k, sample));
-        }
+        batch.samples.resize(self.options.rollouts * batch.rows * batch.count, 0.0);
+        self.options.rollouts
+    }
+
+    /// The samples of the next update in groups of `size`, each drawn by the thread that takes it.
+    pub(crate) fn groups<'b>(
+        &'b self,
+        batch: &'b mut Batch,
+        size: usize,
+    ) -> impl IndexedParallelIterator<Item = Vec<Parameters<'b>>> {
+        let (rows, count) = (batch.rows, batch.count);
+        let length = rows * count;
+        batch.samples.par_chunks_mut(size * length).enumerate().map(move |(group, samples)| {
+            let draw = |(i, sample): (usize, &'b mut [f64])| {
+                self.draw(group * size + i, sample);
+                parameters(sample, rows, count)
+            };
+            samples.chunks_exact_mut(length).enumerate().map(draw).collect()
+        })
     }
 
     /// Draws the parameters of rollout `k`.

@@ -143,7 +143,7 @@ pub trait Problem: Sync {
     /// Makes one rollout and writes what it cost, the mean over `draws`. A rollout that failed costs NaN or infinity.
     fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
 
-    /// How many rollouts one call of [`Problem::rollouts`] likes best.
+    /// How many rollouts one call of [`Problem::rollouts`] likes best, at least one.
     fn together(&self) -> usize {
         1
     }

@@ -1,36 +1,79 @@
-//! Rollouts in parallel: evaluated in any order, kept in theirs, so that threads never change a number.
+//! Rollouts in parallel: made in any order, kept in theirs, so that threads never change a number.
 
 use rayon::prelude::*;
 
+use crate::session::Session;
 use crate::{Cost, Draws, Parameters, Problem};
 
-/// Makes rollouts, again and again in the same workspaces.
+/// Makes rollouts, again and again in the same rooms.
 pub(crate) struct Crew<P: Problem> {
     workspaces: Vec<P::Workspace>,
+    /// What each rollout cost that was made last; rooms of others may follow.
+    pub(crate) costs: Vec<Cost>,
+    /// The signals of each, where they were asked for.
+    pub(crate) signals: Vec<Vec<f64>>,
+}
+
+impl<P: Problem> Default for Crew<P> {
+    fn default() -> Self {
+        Self { workspaces: Vec::new(), costs: Vec::new(), signals: Vec::new() }
+    }
 }
 
 impl<P: Problem> Crew<P> {
-    pub(crate) fn new() -> Self {
-        Self { workspaces: Vec::new() }
+    /// Makes the batch that `session` asks for next; returns how many rollouts it has.
+    pub(crate) fn make_next(&mut self, problem: &P, session: &mut Session) -> usize {
+        if let Some((learner, batch)) = session.drawing() {
+            // A thread draws what it rolls out: the numbers need not go from one to the other.
+            let count = learner.begin(batch);
+            let groups = learner.groups(batch, problem.together());
+            self.make_groups(problem, Draws::Update(learner.update()), count, groups);
+            return count;
+        }
+        let ask = session.ask_batch();
+        if ask.wants_signals {
+            self.measure(problem, ask.draws, &ask.samples);
+        } else {
+            self.make(problem, ask.draws, &ask.samples);
+        }
+        ask.samples.len()
     }
 
-    /// Makes a rollout of each of `samples` on the current rayon pool, and writes what it cost.
-    pub(crate) fn roll_out(&mut self, problem: &P, draws: Draws, samples: &[Parameters<'_>], costs: &mut [Cost]) {
-        let together = problem.together().max(1);
-        let groups = costs.len().div_ceil(together);
-        if self.workspaces.len() < groups {
-            self.workspaces.resize_with(groups, || problem.workspace());
-        }
-        let workspaces = &mut self.workspaces[..groups];
-        if groups > 1 && rayon::current_num_threads() > 1 {
-            let groups = costs.par_chunks_mut(together).zip(samples.par_chunks(together)).zip(workspaces);
-            // Singly, for a thread does not give away half of what it has taken.
-            groups
-                .with_max_len(1)
-                .for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));
-        } else {
-            let groups = costs.chunks_mut(together).zip(samples.chunks(together)).zip(workspaces);
-            groups.for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples, workspace, costs));
-        }
+    /// Makes a rollout of each of `samples`.
+    pub(crate) fn make(&mut self, problem: &P, draws: Draws, samples: &[Parameters<'_>]) {
+        self.make_groups(problem, draws, samples.len(), samples.par_chunks(problem.together()));
     }
+
+    /// Makes `count` rollouts, a group on one thread.
+    fn make_groups<'s, G: IndexedParallelIterator>(&mut self, problem: &P, draws: Draws, count: usize, groups: G)
+    where
+        G::Item: AsRef<[Parameters<'s>]>,
+    {
+        let together = problem.together();
+        let workspaces = first(&mut self.workspaces, groups.len(), || problem.workspace());
+        let costs = first(&mut self.costs, count, Cost::default);
+        // Singly, for a thread does not give away half of what it has taken.
+        costs
+            .par_chunks_mut(together)
+            .zip(groups)
+            .zip(workspaces)
+            .with_max_len(1)
+            .for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples.as_ref(), workspace, costs));
+    }
+
+    /// Makes a rollout of each of `samples` with its signals.
+    fn measure(&mut self, problem: &P, draws: Draws, samples: &[Parameters<'_>]) {
+        let costs = first(&mut self.costs, samples.len(), Cost::default);
+        let signals = first(&mut self.signals, samples.len(), Vec::new);
+        costs.par_iter_mut().zip(signals).zip(samples).for_each_init(
+            || problem.workspace(),
+            |workspace, ((cost, signals), sample)| problem.measure(draws, *sample, workspace, cost, signals),
+        );
+    }
+}
+
+/// The first `count` rooms, made where there are fewer.
+fn first<T>(rooms: &mut Vec<T>, count: usize, make: impl FnMut() -> T) -> &mut [T] {
+    rooms.resize_with(count.max(rooms.len()), make);
+    &mut rooms[..count]
 }

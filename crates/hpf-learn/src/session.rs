@@ -14,6 +14,8 @@
 
 mod replay;
 
+use std::collections::VecDeque;
+
 use crate::auto::{FallBack, Patience, on_roots, roots};
 use crate::drive::constant;
 use crate::elites::{choose, join};
@@ -22,6 +24,9 @@ use crate::{
     Batch, CmaEs, Cost, Draws, Elite, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
     Problem, Progress, Stop,
 };
+
+/// What telling must bring.
+const ONE_EACH: &str = "one cost for each sample asked for";
 
 /// What to roll out next.
 #[derive(Debug)]
@@ -79,7 +84,9 @@ pub struct Told {
 #[derive(Clone, Debug)]
 pub struct Session {
     stage: Stage,
-    due: Due,
+    /// Where updates led, yet to be evaluated: rolled out before anything else that must know what comes of them. The
+    /// start is the first of them.
+    evaluations: VecDeque<Progress>,
     /// The samples of PI2 that are rolled out.
     batch: Option<Batch>,
     /// The batch before, for its room.
@@ -109,17 +116,6 @@ enum Stage {
     /// PI2 after the roots of costs.
     Polish(Box<Pi2>, Patience),
     CmaEs(Box<CmaEs>),
-}
-
-/// What is rolled out next.
-#[derive(Clone, Debug)]
-enum Due {
-    /// The start, to know what it costs.
-    Start,
-    /// What the method asks for.
-    Batch,
-    /// The outcome of an update.
-    Evaluation { weights: Vec<f64>, exploration: f64 },
 }
 
 impl Session {
@@ -161,12 +157,13 @@ impl Session {
             Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
         let motions = problem.motions().max(1);
         let is_random = problem.is_random();
-        let due = if !is_random && matches!(stage, Stage::Signals(..)) { Due::Batch } else { Due::Start };
+        let starts_with_batch = !is_random && matches!(stage, Stage::Signals(..));
+        let evaluations = (!starts_with_batch).then(|| initial.clone()).into_iter().collect();
         let history =
             History { best: initial.clone(), initial, updates: 0, rollouts: 0, rejected: 0, stop: Stop::Asked, notes };
         Ok(Self {
             stage,
-            due,
+            evaluations,
             batch: None,
             spare: Batch::default(),
             elites: Vec::new(),
@@ -184,24 +181,41 @@ impl Session {
 
     /// What to roll out next; `None` where learning is over. The same until something is told.
     pub fn ask(&mut self) -> Option<Ask<'_>> {
-        if let Due::Batch = self.due {
+        if self.evaluations.is_empty() {
             return if self.over.is_none() { Some(self.ask_batch()) } else { None };
         }
-        let weights = match &self.due {
-            Due::Evaluation { weights, .. } => weights,
-            _ => &self.history.initial.weights,
-        };
-        Some(Ask { draws: Draws::HeldOut, samples: vec![Parameters::Constant(weights)], wants_signals: false })
+        let samples = constant(self.evaluations.iter().take(1).map(|progress| &progress.weights));
+        Some(Ask { draws: Draws::HeldOut, samples, wants_signals: false })
     }
 
-    /// The batch asked for after the evaluation that is due, where it is the same whatever comes of that.
-    pub(crate) fn ahead(&mut self) -> Option<Ask<'_>> {
-        let is_evaluation = matches!(self.due, Due::Evaluation { .. });
-        let is_certain = is_evaluation && matches!(self.stage, Stage::Pi2(_) | Stage::CmaEs(_));
-        if is_certain && self.limit_after(self.motions).is_none() { Some(self.ask_batch()) } else { None }
+    /// What is yet to be evaluated, in this order.
+    pub(crate) fn evaluations(&self) -> impl ExactSizeIterator<Item = &Progress> {
+        self.evaluations.iter()
     }
 
-    fn ask_batch(&mut self) -> Ask<'_> {
+    /// Whether another batch is certain to follow, whatever comes of the evaluations before it.
+    pub(crate) fn has_batch(&self) -> bool {
+        let is_certain = self.evaluations.is_empty() || self.takes_batches_ahead();
+        is_certain && self.over.is_none() && self.limit().is_none()
+    }
+
+    /// Whether a batch may be told before the evaluations that are due.
+    fn takes_batches_ahead(&self) -> bool {
+        matches!(self.stage, Stage::Pi2(_)) && self.evaluations.front().is_some_and(|progress| progress.update > 0)
+    }
+
+    /// PI2 and room for the samples that it is to draw, where the batch is one of its.
+    pub(crate) fn drawing(&mut self) -> Option<(&Pi2, &mut Batch)> {
+        match &self.stage {
+            Stage::Pi2(learner) | Stage::Polish(learner, _) => {
+                let batch = self.batch.get_or_insert_with(|| core::mem::take(&mut self.spare));
+                Some((learner, batch))
+            }
+            _ => None,
+        }
+    }
+
+    pub(crate) fn ask_batch(&mut self) -> Ask<'_> {
         let room = self.room();
         let (draws, samples, wants_signals) = match &self.stage {
             Stage::Pi2(learner) | Stage::Polish(learner, _) => {
@@ -216,7 +230,7 @@ impl Session {
             Stage::Signals(learner, fall_back) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
-                (Draws::Update(0), constant(&samples[..samples.len().min(room)]), fall_back.is_none())
+                (Draws::Update(0), constant(samples.iter().take(room)), fall_back.is_none())
             }
             Stage::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
         };
@@ -229,13 +243,13 @@ impl Session {
         left.saturating_sub(usize::from(self.is_judged())).max(1)
     }
 
-    /// What forbids another batch, once so many more motions are made.
-    fn limit_after(&self, motions: usize) -> Option<Stop> {
+    /// What forbids another batch, once all is evaluated that is due.
+    fn limit(&self) -> Option<Stop> {
         let rollouts = if matches!(self.stage, Stage::Signals(..)) { 1 } else { self.rollouts };
-        let needed = (rollouts + usize::from(self.is_judged())) * self.motions;
+        let needed = (self.evaluations.len() + rollouts + usize::from(self.is_judged())) * self.motions;
         if self.history.updates >= self.updates {
             Some(Stop::Updates)
-        } else if self.history.rollouts + motions + needed > self.max_rollouts {
+        } else if self.history.rollouts + needed > self.max_rollouts {
             Some(Stop::Rollouts)
         } else {
             None
@@ -257,13 +271,31 @@ impl Session {
     /// # Panics
     /// Where something else was asked for: another number of samples, or signals that are not there.
     pub fn tell(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<Told, LearnError> {
-        let (asked, wants_signals) = self.ask().map_or((0, false), |ask| (ask.samples.len(), ask.wants_signals));
-        assert_eq!(costs.len(), asked, "one cost for each sample asked for");
+        if self.evaluations.is_empty() {
+            return self.tell_batch(costs, signals);
+        }
+        let [cost] = costs else { panic!("{ONE_EACH}") };
+        let record = Record::Costs(vec![Price::from(cost)]);
+        let progress = self.replay(&record)?;
+        Ok(Told { record, progress })
+    }
+
+    /// Takes what came of the samples of [`Session::ask_batch`].
+    pub(crate) fn tell_batch(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<Told, LearnError> {
+        let (asked, wants_signals) = match &self.batch {
+            Some(batch) => (batch.len(), false),
+            None if self.over.is_some() => (0, false),
+            None => {
+                let ask = self.ask_batch();
+                (ask.samples.len(), ask.wants_signals)
+            }
+        };
+        assert_eq!(costs.len(), asked, "{ONE_EACH}");
         assert!(!wants_signals || signals.len() == asked, "the signals of each sample asked for");
         let prices = || costs.iter().map(Price::from).collect();
-        let record = match (&self.due, &self.stage) {
-            (Due::Batch, Stage::Pi2(_) | Stage::Polish(..)) => self.update(costs)?,
-            (Due::Batch, Stage::Signals(..)) => {
+        let record = match &self.stage {
+            Stage::Pi2(_) | Stage::Polish(..) => self.update(costs)?,
+            Stage::Signals(..) => {
                 let signals_of = |(k, cost): (usize, &Cost)| match wants_signals {
                     false => roots(cost),
                     true if cost.total().is_finite() => signals[k].clone(),
@@ -273,7 +305,7 @@ impl Session {
                 let signals = costs.iter().enumerate().map(signals_of).collect();
                 Record::Signals { prices: prices(), signals }
             }
-            _ => Record::Costs(prices()),
+            Stage::CmaEs(_) => Record::Costs(prices()),
         };
         let progress = self.replay(&record)?;
         Ok(Told { record, progress })
@@ -336,7 +368,7 @@ impl Session {
             && !self.is_random
             && price.total < history.best.total
         {
-            history.best = self.progress(weights.clone(), price, learner.reach());
+            history.best = self.outcome(weights.clone(), learner.reach()).priced(price);
         }
         history.stop = self.over.unwrap_or(Stop::Asked);
         history
@@ -344,7 +376,7 @@ impl Session {
 
     /// Whether the start and every update have been evaluated: a good moment to stop.
     pub fn is_evaluated(&self) -> bool {
-        self.history.rollouts > 0 && !matches!(self.due, Due::Evaluation { .. })
+        self.history.rollouts > 0 && self.evaluations.is_empty()
     }
 
     /// Whether learning is over by itself.

@@ -4,7 +4,8 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
     AutoOptions, Block, CmaEsOptions, Cost, Covariance, Draws, Driver, Exploration, GaussNewtonOptions, LearnError,
-    Method, Parameters, Pi2Options, Problem, Record, Session, SignalGroup, SignalModel, Stop, Told, learn_with,
+    Method, Parameters, Pi2Options, Problem, Progress, Record, Session, SignalGroup, SignalModel, Stop, Told,
+    learn_with,
 };
 
 const STEPS: usize = 6;
@@ -18,6 +19,7 @@ struct Bent {
     draws: usize,
     made: AtomicUsize,
     runs_ahead: bool,
+    together: usize,
     /// Whether some motions fail, and all of the fifth batch.
     fails: bool,
 }
@@ -44,6 +46,7 @@ impl Bent {
             draws,
             made: AtomicUsize::new(0),
             runs_ahead: true,
+            together: 4,
             fails: false,
         }
     }
@@ -102,6 +105,10 @@ impl Problem for Bent {
 
     fn may_run_ahead(&self) -> bool {
         self.runs_ahead
+    }
+
+    fn together(&self) -> usize {
+        self.together.max(1)
     }
 
     fn signals(&self) -> Option<&SignalModel> {
@@ -201,19 +208,20 @@ fn run(problem: &Bent, method: &Method, allowed: usize, threads: usize) -> (Vec<
 }
 
 #[test]
-fn a_batch_made_beside_the_evaluation_before_it_changes_nothing() {
+fn updates_made_before_the_evaluations_of_those_before_change_nothing() {
     let (mut failed, mut unpriced) = (0, 0);
     for (draws, fails) in [(1, false), (3, false), (1, true), (3, true)] {
         for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
-            let problem = |runs_ahead| Bent { runs_ahead, fails, ..Bent::new(has_signals, draws) };
+            let problem =
+                |together| Bent { runs_ahead: together > 0, together, fails, ..Bent::new(has_signals, draws) };
             // The limit falls before, within and after an update.
             for allowed in [36, 37, 38, 40, 77, 1000] {
-                let (told, end, made) = run(&problem(false), &method, allowed, 1);
+                let (told, end, made) = run(&problem(0), &method, allowed, 1);
                 failed += usize::from(end.contains("AllRejected"));
                 unpriced += told.iter().filter_map(|told| told.progress.as_ref()).filter(|p| p.total.is_nan()).count();
-                for threads in [1, 2, 7] {
+                for (threads, together) in [(1, 4), (2, 1), (2, 3), (7, 4), (7, 50)] {
                     // Not as numbers, for NaN is not itself.
-                    let ahead = run(&problem(true), &method, allowed, threads);
+                    let ahead = run(&problem(together), &method, allowed, threads);
                     assert_eq!((format!("{:?}", ahead.0), ahead.1, ahead.2), (format!("{told:?}"), end.clone(), made));
                 }
             }
@@ -223,18 +231,25 @@ fn a_batch_made_beside_the_evaluation_before_it_changes_nothing() {
 }
 
 #[test]
-fn motions_made_ahead_do_not_count_where_nobody_goes_on() {
+fn whoever_stops_is_shown_all_that_was_learned_by_then() {
     let method = methods()[0].0;
     for last in 0..4 {
-        let learned = |runs_ahead| {
-            let problem = Bent { runs_ahead, ..Bent::new(false, 1) };
-            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, |p| p.update < last).unwrap();
-            (history, problem.made())
-        };
-        let ((history, made), (ahead, made_ahead)) = (learned(false), learned(true));
-        assert_eq!((&ahead, ahead.rollouts, ahead.stop), (&history, made, Stop::Asked));
-        // One batch of five follows each evaluation of an update.
-        assert_eq!(made_ahead, made + if last > 0 { 5 } else { 0 });
+        for (runs_ahead, together) in [(false, 8), (true, 1), (true, 3), (true, 8)] {
+            let problem = Bent { runs_ahead, together, ..Bent::new(false, 1) };
+            let mut seen = Vec::new();
+            let observe = |progress: &Progress| {
+                seen.push(progress.clone());
+                progress.update < last
+            };
+            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, observe).unwrap();
+            let end = seen.last().expect("at least the start");
+            assert_eq!((history.updates, history.rollouts, history.stop), (end.update, end.rollouts, Stop::Asked));
+            let best = seen.iter().fold(&seen[0], |best, next| if next.total < best.total { next } else { best });
+            assert_eq!(&history.best, best);
+            assert!(end.update < last + together && (runs_ahead || end.update == last));
+            // One batch of five may follow.
+            assert!([history.rollouts, history.rollouts + 5].contains(&problem.made()));
+        }
     }
 }
 

@@ -90,7 +90,7 @@ impl<T: Real> Inertial<T> {
     }
 
     /// G1 and G2 of a step of `dt` for `2a` and `w2`.
-    #[inline]
+    #[inline(always)]
     fn response(&self, double_a: T, w2: T, dt: T) -> (T, T) {
         let h = (0..self.halvings).fold(dt, |h, _| h * T::of(0.5));
         // term = y_j h^j/j! of phi's derivatives y_j, which obey y_{j+2} = -2a y_{j+1} - w2 y_j. Counted in T, so that
@@ -115,7 +115,7 @@ impl<T: Real> Inertial<T> {
     }
 
     /// One step of `m e'' + d e' + k e = f`, exact for k, d and f held over `dt` [s].
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, motion: &mut OffsetMotion<T>, stiffness: T, damping: T, force: T, dt: T) {
         let (double_a, w2) = (damping / self.mass, stiffness / self.mass);
         let (g1, g2) = self.response(double_a, w2, dt);

@@ -3,7 +3,7 @@
 use super::exchange::count;
 use super::reference::Course;
 use super::{Compliance, Controller, Event, Input, Law, Mode, Settings};
-use crate::admittance::{OffsetMotion, step_offset};
+use crate::admittance::{Inertial, OffsetMotion, step_offset};
 use crate::controller::AxisOutput;
 use crate::limits::{Hits, LARGEST, brake, cut};
 use crate::passivity::{kinetic_energy, spring_energy};
@@ -197,7 +197,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                     T::ZERO
                 }
                 Some(law) => {
-                    law.step(&mut state.offset, stiffness, damping, drive, dt);
+                    state.offset = step_inertial(law, before, [stiffness, damping, drive, dt]);
                     (state.offset.offset - before.offset) / dt
                 }
                 None => {
@@ -237,4 +237,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 #[inline(never)]
 fn lesser<T: Real>(share: T, part: T, whole: T) -> T {
     share.at_most(part / whole)
+}
+
+/// A step of a tool with inertia; in a function of its own, because its length would slow those without.
+#[inline(never)]
+fn step_inertial<T: Real>(law: Inertial<T>, mut motion: OffsetMotion<T>, gains: [T; 4]) -> OffsetMotion<T> {
+    let [stiffness, damping, force, dt] = gains;
+    law.step(&mut motion, stiffness, damping, force, dt);
+    motion
 }

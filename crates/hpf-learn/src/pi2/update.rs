@@ -168,7 +168,8 @@ impl Inputs<'_> {
 }
 
 impl Rooms {
-    /// Notes which costs are finite and sums them up over the steps; `false` where none is finite.
+    /// Notes which costs are finite, sums them up over the steps, and how far the samples are from the weights; `false`
+    /// where none is finite.
     pub(super) fn take(&mut self, inputs: &Inputs<'_>) -> bool {
         self.kept.clear();
         self.kept.extend(0..inputs.costs.len());
@@ -183,41 +184,43 @@ impl Rooms {
         !self.kept.is_empty()
     }
 
-    /// S of the kept rollouts at the start of each stretch.
+    /// S of the kept rollouts at the start of each stretch, and E.
     fn sum_up(&mut self, inputs: &Inputs<'_>) {
-        let Self { kept, table, .. } = self;
-        let rows = inputs.rows();
+        let Self { kept, table, exploration, .. } = self;
+        let (rows, bases) = (inputs.rows(), inputs.bases);
         let span = if rows > 1 { STRETCH } else { inputs.steps };
         table.resize(rows * packs(kept.len()), [0.0; LANES]);
-        let sum_up = |(sums, kept): (&mut [[f64; LANES]], &[usize])| {
+        exploration.resize(kept.len() * bases.width, Pack::ZERO);
+        let sum_up = |sums: &mut [[f64; LANES]], exploration: &mut [Pack], kept: &[usize]| {
             let mut to_go = inputs.terminal(kept);
             for (row, sum) in sums.iter_mut().enumerate().rev() {
                 let start = row * span;
                 inputs.sum_back(kept, start..inputs.steps.min(start + span), &mut to_go, |_, _| ());
                 *sum = to_go.0;
             }
+            // Of parameters that change with the steps, this is the first row, and each stretch works out its own.
+            for (&k, row) in kept.iter().zip(exploration.chunks_exact_mut(bases.width)) {
+                bases.pack_difference(inputs.batch.sample(k).at(0), inputs.weights, row);
+            }
         };
+        let explored = LANES * bases.width;
         if kept.len() * inputs.steps >= SUMMED_IN_PARALLEL && rayon::current_num_threads() > 1 {
-            table.par_chunks_mut(rows).zip(kept.par_chunks(LANES)).for_each(sum_up);
+            let packs = table.par_chunks_mut(rows).zip(exploration.par_chunks_mut(explored));
+            packs.zip(kept.par_chunks(LANES)).for_each(|((sums, explored), kept)| sum_up(sums, explored, kept));
         } else {
-            table.chunks_mut(rows).zip(kept.chunks(LANES)).for_each(sum_up);
+            let packs = table.chunks_mut(rows).zip(exploration.chunks_mut(explored));
+            packs.zip(kept.chunks(LANES)).for_each(|((sums, explored), kept)| sum_up(sums, explored, kept));
         }
     }
 
     /// Works out the change of the parameters from what was taken.
     pub(super) fn improve(&mut self, inputs: &Inputs<'_>) {
         let Self { kept, table, exploration, stretches } = self;
-        let (bases, batch, count) = (inputs.bases, inputs.batch, kept.len());
+        let count = kept.len();
         if inputs.credit == Credit::Total {
             let mut order = core::mem::take(&mut stretches_of(stretches, 1)[0].order);
             softmax(&mut Costs { packs: table, count }, inputs.temperature, &mut order);
             stretches[0].order = order;
-        }
-        if batch.rows == 1 {
-            exploration.resize(count * bases.width, Pack::ZERO);
-            for (&k, row) in kept.iter().zip(exploration.chunks_exact_mut(bases.width)) {
-                bases.pack_difference(batch.sample(k).at(0), inputs.weights, row);
-            }
         }
         let (kept, table, exploration) = (kept.as_slice(), table.as_slice(), exploration.as_slice());
         let stretches = stretches_of(stretches, inputs.steps.div_ceil(STRETCH));

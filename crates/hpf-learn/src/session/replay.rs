@@ -1,6 +1,6 @@
 //! Where what was told leads: the one way on, for what has just been told and for what is told again.
 
-use super::{Due, Session, Stage};
+use super::{Session, Stage};
 use crate::auto::Patience;
 use crate::{History, LearnError, Note, Price, Progress, Record, Settled, Stop};
 
@@ -13,44 +13,55 @@ impl Session {
         if self.over.is_some() {
             return Err(LearnError::WrongRecord);
         }
-        let progress = match (core::mem::replace(&mut self.due, Due::Batch), record) {
-            (Due::Start, Record::Costs(prices)) => Some(self.started(prices.first().ok_or(LearnError::WrongRecord)?)?),
-            (Due::Evaluation { weights, exploration }, Record::Costs(prices)) => {
-                let price = prices.first().ok_or(LearnError::WrongRecord)?;
-                self.history.rollouts += self.motions;
-                Some(self.evaluated(weights, price, exploration))
+        let progress = match record {
+            Record::Costs(prices) if !self.evaluations.is_empty() => {
+                Some(self.evaluated(prices.first().ok_or(LearnError::WrongRecord)?)?)
             }
-            (Due::Batch, record) => self.learned(record)?,
+            record if self.evaluations.is_empty() || self.takes_batches_ahead() => self.learned(record)?,
             _ => return Err(LearnError::WrongRecord),
         };
         self.look_ahead();
         Ok(progress)
     }
 
+    /// Takes what the first outcome that is due was found to cost.
+    fn evaluated(&mut self, price: &Price) -> Result<Progress, LearnError> {
+        let due = self.evaluations.pop_front().expect("one is due");
+        if due.update == 0 {
+            return self.started(price);
+        }
+        self.history.rollouts += self.motions;
+        Ok(self.keep(due.priced(price)))
+    }
+
     fn started(&mut self, price: &Price) -> Result<Progress, LearnError> {
         if !price.total.is_finite() {
             return Err(LearnError::BadStart);
         }
-        let initial = &mut self.history.initial;
-        self.history.rollouts += self.motions;
-        initial.rollouts = self.motions;
-        (initial.total, initial.terms) = (price.total, price.terms.clone());
-        self.history.best = initial.clone();
-        Ok(initial.clone())
+        self.history.rollouts = self.motions;
+        let initial = Progress { rollouts: self.motions, ..self.history.initial.clone() }.priced(price);
+        (self.history.initial, self.history.best) = (initial.clone(), initial.clone());
+        Ok(initial)
     }
 
     /// Keeps an evaluation.
-    fn evaluated(&mut self, weights: Vec<f64>, price: &Price, exploration: f64) -> Progress {
-        let progress = self.progress(weights, price, exploration);
+    fn keep(&mut self, progress: Progress) -> Progress {
         if progress.total < self.history.best.total {
             self.history.best = progress.clone();
         }
         progress
     }
 
-    pub(super) fn progress(&self, weights: Vec<f64>, price: &Price, exploration: f64) -> Progress {
+    /// Where learning has led with the motions made so far, its cost not known.
+    pub(super) fn outcome(&self, weights: Vec<f64>, exploration: f64) -> Progress {
         let History { updates: update, rollouts, .. } = self.history;
-        Progress { update, rollouts, total: price.total, terms: price.terms.clone(), exploration, weights }
+        Progress { update, rollouts, total: f64::INFINITY, terms: Vec::new(), exploration, weights }
+    }
+
+    /// Has `outcome` evaluated by itself.
+    fn evaluate(&mut self, outcome: Progress) {
+        let rollouts = outcome.rollouts + (self.evaluations.len() + 1) * self.motions;
+        self.evaluations.push_back(Progress { rollouts, ..outcome });
     }
 
     /// Takes the record of a batch.
@@ -74,7 +85,7 @@ impl Session {
                     return Ok(self.end_update(*exploration));
                 }
                 self.history.updates += 1;
-                self.due = Due::Evaluation { weights, exploration: *exploration };
+                self.evaluate(self.outcome(weights, *exploration));
                 Ok(None)
             }
             (Stage::Signals(..), Record::Signals { prices, signals }) => self.answered(prices, signals),
@@ -133,16 +144,17 @@ impl Session {
     fn end_update(&mut self, exploration: f64) -> Option<Progress> {
         self.history.updates += 1;
         let (weights, price) = self.cheapest.take()?;
+        let outcome = self.outcome(weights, exploration);
         if self.is_random {
-            self.due = Due::Evaluation { weights, exploration };
+            self.evaluate(outcome);
             return None;
         }
-        Some(self.evaluated(weights, &price, exploration))
+        Some(self.keep(outcome.priced(&price)))
     }
 
     /// Finds out whether a batch is to follow, and of what.
     fn look_ahead(&mut self) {
-        if !matches!(self.due, Due::Batch) {
+        if !self.evaluations.is_empty() {
             return;
         }
         if let Stage::Signals(learner, _) = &self.stage
@@ -157,7 +169,7 @@ impl Session {
             self.over = Some(Stop::Settled(Settled::NothingImproves));
         }
         if self.over.is_none() {
-            self.over = self.limit_after(0);
+            self.over = self.limit();
         }
     }
 
