@@ -30,6 +30,8 @@ fn what_is_too_large_is_refused_by_the_name_of_its_key() {
     for (text, words) in [
         (text(1e6 + 1.0, 2, "rollouts = 2", ""), "1000001 steps"),
         (text(100.0, 1001, "rollouts = 2", ""), "`basis` is out of range: 1001"),
+        (text(100.0, usize::MAX, "rollouts = 2", ""), "`basis` is out of range: 18446744073709551615"),
+        (text(100.0, 20, "rollouts = 18446744073709551615", ""), "`rollouts` is out of range: 18446744073709551615"),
         (text(100.0, 20, "rollouts = 100001", ""), "`rollouts` is out of range: 100001"),
         (
             text(100.0, 20, "updates = 1000001", "").replacen("updates = 1\n", "", 1),

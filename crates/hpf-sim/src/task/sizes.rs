@@ -23,7 +23,7 @@ pub const MAX_MEMORY: f64 = 4e9;
 /// Numbers of a row of `learning.csv`.
 const ROW: f64 = 12.0;
 /// Numbers that the learner works on together.
-const PACK: usize = 8;
+const PACK: f64 = 8.0;
 /// Signals of an axis in a trajectory.
 const SIGNALS: f64 = 7.0;
 /// Numbers that one axis meets in a step: forces at both its ends, the error of a reading, whether it is lost.
@@ -68,8 +68,9 @@ impl Task {
         let (steps, axes, rollouts) = (self.step_numbers(), self.axis.len() as f64, learning.rollouts as f64);
         let functions = [self.movement.basis, self.stiffness.basis, self.damping.basis];
         let parameters = axes * functions.iter().map(|basis| basis.count() as f64).sum::<f64>();
-        let packed = axes * functions.iter().map(|basis| basis.count().next_multiple_of(PACK) as f64).sum::<f64>();
-        let packed_rollouts = learning.rollouts.next_multiple_of(PACK) as f64;
+        let whole_packs = |count: usize| PACK * (count as f64 / PACK).ceil();
+        let packed = axes * functions.iter().map(|basis| whole_packs(basis.count())).sum::<f64>();
+        let packed_rollouts = whole_packs(learning.rollouts);
         let trajectory = SIGNALS * axes * steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
         let mut tables = vec![
