@@ -4,12 +4,15 @@
 //! 2. **Costs**, where no step's cost is negative: [`GaussNewton`] on their roots, `nu_t = sqrt(2 r_t)`, for then
 //!    `J = 1/2 |nu|^2`. A root has lost the sign of its signal and its response has a kink at nought, so this comes
 //!    near the optimum fast and may stall there.
-//! 3. **PI2** from the best so far, on total costs by rank, each parameter's noise set from what its response was found
+//! 3. **Squares**, where rollouts repeat: what the costs of the steps are the squares of is found out from how these
+//!    bend, and learned from ([`Squares`]). They have no kink, and what stalled before goes on.
+//! 4. **PI2** from the best so far, on total costs by rank, each parameter's noise set from what its response was found
 //!    to be (the step at which all parameters together are expected to double the cost), then adapted.
 //!
 //! A stage that ends hands over what it has learned, and a [`Note`] says why. Motions without noise at every step are
 //! all evaluations: nothing is rolled out twice to know what it cost.
 
+use crate::squares::Squares;
 use crate::{
     Anneal, Block, Cost, Covariance, GaussNewton, GaussNewtonOptions, Pi2, Pi2Options, Settled, SignalGroup,
     SignalModel, Temperature,
@@ -47,6 +50,8 @@ pub enum Note {
     Coupled,
     /// The problem measures no signals: the costs of its steps stand in for them.
     NoSignals,
+    /// The roots of the costs of the steps ended: the squares that they are made of go on.
+    Squares(Settled),
     /// The costs of the steps ended: PI2 goes on.
     FellBack(Settled),
     /// A step has a negative cost, which has no root: PI2 goes on.
@@ -58,6 +63,9 @@ impl core::fmt::Display for Note {
         match self {
             Self::Coupled => f.write_str("groups of parameters move each other's signals: all are learned together"),
             Self::NoSignals => f.write_str("the problem measures no signals: learning from the costs of its steps"),
+            Self::Squares(reason) => {
+                write!(f, "the squares that the costs of the steps are made of go on from their roots: {reason}")
+            }
             Self::FellBack(reason) => write!(f, "pi2 goes on from the costs of the steps: {reason}"),
             Self::NegativeCosts => f.write_str("pi2 from here on: a step has a negative cost, which has no root"),
         }
@@ -85,12 +93,17 @@ pub(crate) struct FallBack {
 }
 
 impl FallBack {
-    /// PI2 from `weights`, with noise of the size that the responses found call for.
-    pub(crate) fn polish(&self, learner: &GaussNewton, weights: Vec<f64>) -> Pi2 {
+    /// A learner on the squares of the costs, from `weights`.
+    pub(crate) fn squares(&self, weights: Vec<f64>) -> Squares {
+        Squares::new(&self.blocks, self.steps + 1, weights, self.options.signals())
+    }
+
+    /// PI2 from `weights`, with noise of the size that the responses found call for: `scales`, one per parameter.
+    pub(crate) fn polish(&self, scales: Vec<f64>, weights: Vec<f64>) -> Pi2 {
         let (floor, ceiling) = NOISE_RANGE;
         let noise = self.blocks.iter().flat_map(|block| vec![block.noise; block.count]);
         let share = |(scale, noise): (f64, f64)| if scale > 0.0 { (scale / noise).max(floor) } else { ceiling };
-        let spread = learner.scales().into_iter().zip(noise).map(share).collect();
+        let spread = scales.into_iter().zip(noise).map(share).collect();
         let options = Pi2Options {
             rollouts: self.options.rollouts,
             updates: self.options.updates,

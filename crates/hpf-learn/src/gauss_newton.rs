@@ -237,6 +237,11 @@ impl GaussNewton {
         self.is_coupled
     }
 
+    /// Whether rollouts of the same parameters differ.
+    pub(crate) fn is_noisy(&self) -> bool {
+        self.groups.iter().any(|group| group.noise > 0.0)
+    }
+
     /// Size of the steps the damping allows, in units of the perturbations: the largest over the groups.
     pub fn reach(&self) -> f64 {
         self.damping.iter().map(|damping| 1.0 / damping.sqrt()).fold(0.0, f64::max)

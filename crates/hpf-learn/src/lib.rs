@@ -24,6 +24,7 @@ mod record;
 mod response;
 mod rollouts;
 mod session;
+mod squares;
 mod step;
 mod weighting;
 

@@ -206,6 +206,30 @@ impl Response {
         (0..self.units.len()).map(moved).collect()
     }
 
+    /// `weights` moved by `x` units and by as much the other way, but for parameters that would leave their bounds.
+    pub(crate) fn both_ways(&self, weights: &[f64], x: &[f64]) -> [Vec<f64>; 2] {
+        let moved = |way: f64| {
+            let moved = |j: usize| {
+                let step = x[j] * self.units[j];
+                let is_inside = self.min[j] <= weights[j] - step.abs() && weights[j] + step.abs() <= self.max[j];
+                if is_inside { weights[j] + way * step } else { weights[j] }
+            };
+            (0..weights.len()).map(moved).collect()
+        };
+        [moved(1.0), moved(-1.0)]
+    }
+
+    /// Takes `base` and its `response` for known.
+    pub(crate) fn know(&mut self, base: Point, response: DMatrix<f64>) {
+        self.base = base;
+        self.response = response;
+    }
+
+    /// Takes the response as it is for known.
+    pub(crate) fn trust(&mut self) {
+        self.doubt.fill(0.0);
+    }
+
     /// Makes every perturbation smaller.
     pub(crate) fn shrink(&mut self) {
         self.units.iter_mut().for_each(|unit| *unit *= SHRINK);
@@ -229,7 +253,7 @@ impl Response {
     }
 
     /// How far `weights` are from the base, in units.
-    fn distance(&self, weights: &[f64]) -> DVector<f64> {
+    pub(crate) fn distance(&self, weights: &[f64]) -> DVector<f64> {
         let pairs = weights.iter().zip(&self.base.weights).zip(&self.units);
         let units = pairs.map(|((w, base), unit)| if *unit > 0.0 { (w - base) / unit } else { 0.0 });
         DVector::from_iterator(weights.len(), units)
@@ -348,6 +372,11 @@ impl Response {
     /// The signals expected `x` units from `from`.
     pub(crate) fn expect(&self, from: &Point, x: &DVector<f64>) -> DVector<f64> {
         &from.signals + &self.response * x
+    }
+
+    /// By how much the signals are expected to differ `x` units apart.
+    pub(crate) fn answers(&self, x: &DVector<f64>) -> DVector<f64> {
+        &self.response * x
     }
 
     /// How signal `i`, of all, answers.

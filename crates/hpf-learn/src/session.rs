@@ -12,6 +12,7 @@
 //! A session is a function of its settings and of the [`Record`]s it was told: replayed, it is in the same state to the
 //! bit, for random numbers come from (seed, update, rollout) and not from a generator that runs along.
 
+mod learner;
 mod replay;
 
 use std::collections::VecDeque;
@@ -24,6 +25,7 @@ use crate::{
     Batch, CmaEs, Cost, Draws, Elite, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
     Problem, Progress, Stop,
 };
+use learner::Learner;
 
 /// What telling must bring.
 const ONE_EACH: &str = "one cost for each sample asked for";
@@ -111,9 +113,9 @@ pub struct Session {
 #[derive(Clone, Debug)]
 enum Stage {
     Pi2(Box<Pi2>),
-    /// Gauss-Newton: on signals, or on roots of costs with PI2 to fall back to.
-    Signals(Box<GaussNewton>, Option<FallBack>),
-    /// PI2 after the roots of costs.
+    /// Signals, or the costs of the steps.
+    Signals(Box<Learner>),
+    /// PI2 after the costs of the steps.
     Polish(Box<Pi2>, Patience),
     CmaEs(Box<CmaEs>),
 }
@@ -135,7 +137,7 @@ impl Session {
         let mut notes = Vec::new();
         let signals = |options, weights| {
             let model = problem.signals().ok_or(LearnError::NoSignals)?;
-            Ok(Stage::Signals(Box::new(GaussNewton::new(blocks, model, weights, options)), None))
+            Ok(Stage::Signals(Box::new(Learner::Signals(GaussNewton::new(blocks, model, weights, options)))))
         };
         let most_elites = if let Method::Pi2(options) = method { options.elites } else { 0 };
         if most_elites > 0 && problem.is_random() {
@@ -149,7 +151,7 @@ impl Session {
             Method::Auto(options) => {
                 notes.push(Note::NoSignals);
                 let fall_back = FallBack { blocks: blocks.to_vec(), steps, options };
-                Stage::Signals(Box::new(on_roots(blocks, steps, weights, options)), Some(fall_back))
+                Stage::Signals(Box::new(Learner::Roots(on_roots(blocks, steps, weights, options), fall_back)))
             }
         };
         let exploration = if let Stage::Pi2(learner) = &stage { learner.exploration() } else { 1.0 };
@@ -227,10 +229,10 @@ impl Session {
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
                 (Draws::Update(learner.update()), samples, false)
             }
-            Stage::Signals(learner, fall_back) => {
+            Stage::Signals(learner) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
-                (Draws::Update(0), constant(samples.iter().take(room)), fall_back.is_none())
+                (Draws::Update(0), constant(samples.iter().take(room)), learner.wants_signals())
             }
             Stage::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
         };
@@ -364,7 +366,7 @@ impl Session {
     /// What has been learned so far; [`Stop::Asked`] where learning could go on.
     pub fn history(&self) -> History {
         let mut history = self.history.clone();
-        if let (Stage::Signals(learner, _), Some((weights, price))) = (&self.stage, &self.cheapest)
+        if let (Stage::Signals(learner), Some((weights, price))) = (&self.stage, &self.cheapest)
             && !self.is_random
             && price.total < history.best.total
         {

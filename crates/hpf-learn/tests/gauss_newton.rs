@@ -21,6 +21,8 @@ struct Toy {
     broken_above: f64,
     /// Costs have this added to their first step.
     offset: f64,
+    /// And up to twice this, another number in every rollout.
+    noise: f64,
     made: AtomicUsize,
 }
 
@@ -59,6 +61,7 @@ impl Toy {
             coupling: 0.0,
             broken_above: f64::INFINITY,
             offset: 0.0,
+            noise: 0.0,
             made: AtomicUsize::new(0),
         }
     }
@@ -107,11 +110,11 @@ impl Problem for Toy {
     fn workspace(&self) {}
 
     fn rollout(&self, _: Draws, parameters: Parameters<'_>, (): &mut (), cost: &mut Cost) {
-        self.made.fetch_add(1, Ordering::SeqCst);
+        let made = self.made.fetch_add(1, Ordering::SeqCst);
         let w = parameters.at(0);
         let rho = self.signals_at(w);
         cost.running = (0..SIGNALS).map(|i| 0.5 * (rho[i] * rho[i] + rho[SIGNALS + i] * rho[SIGNALS + i])).collect();
-        cost.running[0] += self.offset;
+        cost.running[0] += self.offset + self.noise * (1.0 + number(made, 0));
         cost.terminal = Self::price_at(w);
         cost.terms = vec![cost.total()];
     }
@@ -288,16 +291,60 @@ fn learning_stops_at_the_motions_allowed_and_when_asked() {
 
 #[test]
 fn auto_takes_signals_where_there_are_any_and_costs_where_not() {
-    let method = Method::Auto(AutoOptions { rollouts: 10, updates: 600, seed: 3 });
+    let method = Method::Auto(AutoOptions { rollouts: 10, updates: 400, seed: 3 });
     let with = learn_with(&Toy::new(), Toy::start(), &method, None, |_| true).unwrap();
     assert_eq!(with.best.weights, learned(&Toy::new(), options(10)).best.weights);
     let blind = Toy { model: None, ..Toy::new() };
     let without = learn_with(&blind, Toy::start(), &method, None, |_| true).unwrap();
-    assert_eq!(without.notes, [Note::NoSignals, Note::FellBack(Settled::NothingImproves)]);
+    let stalled = Settled::NothingImproves;
+    assert_eq!(without.notes, [Note::NoSignals, Note::Squares(stalled), Note::FellBack(stalled)]);
     assert_eq!(without.stop, Stop::Settled(Settled::NothingImproves));
     assert_eq!(without.rollouts, blind.made.load(Ordering::SeqCst));
     let gap = |history: &History| history.best.total / with.best.total;
-    assert!(gap(&without) < 1.05, "{}", gap(&without));
+    assert!(gap(&without) < 1.01, "{}", gap(&without));
+}
+
+fn from_costs(toy: &Toy, rollouts: usize, max_rollouts: usize) -> History {
+    let method = Method::Auto(AutoOptions { rollouts, updates: 1000, seed: 3 });
+    learn_with(toy, Toy::start(), &method, Some(max_rollouts), |_| true).unwrap()
+}
+
+#[test]
+fn the_squares_of_costs_are_learned_alike_however_many_rollouts_are_made_at_a_time() {
+    let blind = || Toy { model: None, ..Toy::new() };
+    let history = from_costs(&blind(), 1, 600);
+    assert_eq!(history.notes, [Note::NoSignals, Note::Squares(Settled::NothingImproves)]);
+    for rollouts in [3, 50] {
+        assert_eq!(from_costs(&blind(), rollouts, 600), history);
+    }
+}
+
+#[test]
+fn squares_of_costs_are_learned_until_every_perturbation_fails() {
+    let toy = Toy { model: None, broken_above: 1.1, ..Toy::new() };
+    let history = from_costs(&toy, 10, 1500);
+    assert_eq!(history.notes, [Note::NoSignals, Note::Squares(Settled::NothingImproves)]);
+    // It ends at the wall, where every perturbation of all parameters has one that breaks.
+    assert_eq!(history.stop, Stop::Settled(Settled::NoSignals));
+    assert!(history.rejected > 0);
+    assert!(history.best.total < 0.5 * history.initial.total, "{} {}", history.initial.total, history.best.total);
+}
+
+#[test]
+fn costs_of_parameters_without_noise_end_where_they_began() {
+    let mut toy = Toy { model: None, ..Toy::new() };
+    toy.blocks.iter_mut().for_each(|block| block.noise = 0.0);
+    let history = from_costs(&toy, 10, 1000);
+    assert_eq!(history.best, history.initial);
+    assert_eq!(history.stop, Stop::Settled(Settled::NothingImproves));
+}
+
+#[test]
+fn noisy_costs_are_left_to_pi2_after_their_roots() {
+    let toy = Toy { model: None, noise: 1e-3, ..Toy::new() };
+    let history = from_costs(&toy, 1, 3000);
+    assert_eq!(history.notes[..], [Note::NoSignals, Note::FellBack(Settled::NothingImproves)]);
+    assert!(history.best.total < 0.5 * history.initial.total, "{} {}", history.initial.total, history.best.total);
 }
 
 #[test]
@@ -322,5 +369,6 @@ fn reasons_and_notes_read_as_sentences() {
     assert!(Settled::Noise.to_string().starts_with("nothing improves, and the noise"));
     let note = Note::FellBack(Settled::NothingImproves).to_string();
     assert_eq!(note, format!("pi2 goes on from the costs of the steps: {}", Settled::NothingImproves));
+    assert!(Note::Squares(Settled::NothingImproves).to_string().ends_with("with the response freshly learned"));
     assert!(Note::Coupled.to_string().contains("together"));
 }

@@ -1,7 +1,7 @@
 //! Where what was told leads: the one way on, for what has just been told and for what is told again.
 
-use super::{Session, Stage};
-use crate::auto::Patience;
+use super::{Learner, Session, Stage};
+use crate::auto::{FallBack, Patience};
 use crate::{History, LearnError, Note, Price, Progress, Record, Settled, Stop};
 
 impl Session {
@@ -110,11 +110,11 @@ impl Session {
 
     /// Takes the record of a batch of Gauss-Newton.
     fn answered(&mut self, prices: &[Price], signals: &[Vec<f64>]) -> Result<Option<Progress>, LearnError> {
-        let Stage::Signals(learner, _) = &self.stage else { return Err(LearnError::WrongRecord) };
+        let Stage::Signals(learner) = &self.stage else { return Err(LearnError::WrongRecord) };
         let count = prices.len();
         let fits = (1..=learner.ask().len()).contains(&count)
             && signals.len() == count
-            && signals.iter().all(|signals| signals.len() == learner.signals());
+            && signals.iter().all(|signals| signals.len() == learner.count());
         if !fits {
             return Err(LearnError::WrongRecord);
         }
@@ -122,7 +122,7 @@ impl Session {
         let initial = if self.history.rollouts == 0 { Some(self.started(&prices[0])?) } else { None };
         self.history.rollouts += (count - usize::from(initial.is_some())) * self.motions;
         self.offer(&samples, prices);
-        let Stage::Signals(learner, _) = &mut self.stage else { unreachable!("matched above") };
+        let Stage::Signals(learner) = &mut self.stage else { unreachable!("matched above") };
         let (update, reach, was_coupled) = (learner.update(), learner.reach(), learner.is_coupled());
         self.history.rejected += learner.tell(signals);
         if learner.is_coupled() && !was_coupled {
@@ -157,8 +157,10 @@ impl Session {
         if !self.evaluations.is_empty() {
             return;
         }
-        if let Stage::Signals(learner, _) = &self.stage
+        // What comes next may have nothing to learn, either.
+        while let Stage::Signals(learner) = &self.stage
             && let Some(reason) = learner.settled()
+            && self.over.is_none()
         {
             self.settle(reason);
         }
@@ -173,18 +175,39 @@ impl Session {
         }
     }
 
-    /// Ends learning from signals, or hands over to PI2.
+    /// Ends learning from signals; from costs, hands over to their squares or to PI2.
     fn settle(&mut self, reason: Settled) {
         self.history.best = self.history().best;
         self.cheapest = None;
-        let Stage::Signals(learner, fall_back) = &self.stage else { return };
-        let Some(fall_back) = fall_back else {
-            self.over = Some(Stop::Settled(reason));
-            return;
-        };
+        let Stage::Signals(learner) = &self.stage else { return };
         let is_negative = self.history.updates == 0 && reason == Settled::NoSignals;
-        self.history.notes.push(if is_negative { Note::NegativeCosts } else { Note::FellBack(reason) });
-        let polish = fall_back.polish(learner, self.history.best.weights.clone());
-        self.stage = Stage::Polish(Box::new(polish), Patience::new(self.history.best.total));
+        let polish = |fall_back: &FallBack, scales: Vec<f64>| {
+            let learner = fall_back.polish(scales, self.history.best.weights.clone());
+            Stage::Polish(Box::new(learner), Patience::new(self.history.best.total))
+        };
+        let next = match &**learner {
+            Learner::Signals(_) => None,
+            // Where even the smallest perturbations fail, samples of PI2 would, too.
+            Learner::Squares(..) if reason == Settled::NoSignals => None,
+            Learner::Squares(learner, fall_back) => Some((Note::FellBack(reason), polish(fall_back, learner.scales()))),
+            Learner::Roots(learner, fall_back) if is_negative => {
+                Some((Note::NegativeCosts, polish(fall_back, learner.scales())))
+            }
+            Learner::Roots(learner, fall_back) if learner.is_noisy() => {
+                Some((Note::FellBack(reason), polish(fall_back, learner.scales())))
+            }
+            Learner::Roots(_, fall_back) => {
+                let learner =
+                    Learner::Squares(Box::new(fall_back.squares(self.history.best.weights.clone())), fall_back.clone());
+                Some((Note::Squares(reason), Stage::Signals(Box::new(learner))))
+            }
+        };
+        match next {
+            Some((note, stage)) => {
+                self.history.notes.push(note);
+                self.stage = stage;
+            }
+            None => self.over = Some(Stop::Settled(reason)),
+        }
     }
 }
