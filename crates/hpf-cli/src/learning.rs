@@ -57,8 +57,8 @@ impl Kept<'_> {
     }
 }
 
-/// Learns the task of `loaded` in `folder`, from its checkpoint where there is one. Each batch is in the checkpoint, and
-/// each update in the log, before the next begins.
+/// Learns the task of `loaded` in `folder`, from its checkpoint where there is one. What the driver hands out is in the
+/// checkpoint, and in the log where it is an update, before the driver goes on.
 ///
 /// # Errors
 /// [`Failure`] where the task cannot be learned, or the folder not be written.
@@ -128,7 +128,7 @@ fn learn_in<P: Problem>(
     let started = Instant::now();
     let mut driver = Driver::new(problem, session);
     let mut broken = None;
-    while !(interrupt::is_asked() && driver.is_at_rest()) {
+    while !(interrupt::is_asked() && driver.session().is_evaluated()) {
         let told = driver.step();
         if let Some(why) = failure() {
             return Err(Failure::Work(why));

@@ -4,8 +4,8 @@
 //! operation on all lanes is one instruction. Each lane gets the bits that it would get alone, for any number of lanes
 //! and any instruction set: only additions, products, divisions and choices, each rounded by itself, never fused.
 //!
-//! The kernels of this crate that batches step are always inlined: one that is called would be compiled for what every
-//! processor has, whatever instructions the batch around it is compiled for.
+//! The kernels of this crate that batches step in vector registers are always inlined: one that is called would be
+//! compiled for what every processor has, whatever instructions the batch around it is compiled for.
 //!
 //! Exponentials have no branch and no table. With `x = k ln 2 + r`, `|r| <= ln(2)/2`:
 //! ```text

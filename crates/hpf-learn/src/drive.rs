@@ -135,33 +135,32 @@ const LONGEST_GATHERING: Duration = Duration::from_millis(100);
 ///
 /// Where the problem allows it ([`Problem::may_run_ahead`]), PI2 does not wait for what its updates are found to cost:
 /// as many evaluations as make a full batch gather and are made together, beside the batch that is sure to follow. What
-/// is told, and in which order, stays the same.
+/// is handed out, and in which order, stays the same; what nobody asks for any more never counts.
 pub struct Driver<'p, P: Problem> {
     problem: &'p P,
+    /// Told of what was handed out.
     session: Session,
+    /// Told of all that was made, where that is more.
+    ahead: Option<Session>,
     batch: Crew<P>,
     evaluations: Crew<P>,
     /// How many rollouts of a batch are made and not yet told.
     made: Option<usize>,
-    /// What was told and is yet to be handed out.
+    /// What was told to the session ahead and is yet to be handed out.
     told: VecDeque<Told>,
 }
 
 impl<'p, P: Problem> Driver<'p, P> {
     /// For `session`, wherever it stands, of `problem`; memory is reused from batch to batch.
     pub fn new(problem: &'p P, session: Session) -> Self {
+        let ahead = (problem.may_run_ahead() && session.may_run_ahead()).then(|| session.clone());
         let (batch, evaluations) = (Crew::default(), Crew::default());
-        Self { problem, session, batch, evaluations, made: None, told: VecDeque::new() }
+        Self { problem, session, ahead, batch, evaluations, made: None, told: VecDeque::new() }
     }
 
-    /// The session; told of more than [`Driver::step`] has handed out unless the driver [is at rest](Self::is_at_rest).
+    /// The session, told of all that [`Driver::step`] has handed out.
     pub fn session(&self) -> &Session {
         &self.session
-    }
-
-    /// Whether all that was told is handed out, and the start and every update are evaluated: a good moment to stop.
-    pub fn is_at_rest(&self) -> bool {
-        self.told.is_empty() && self.session.is_evaluated()
     }
 
     /// What came of the motions asked for next, made where they are not made already; `None` where learning is over.
@@ -169,32 +168,48 @@ impl<'p, P: Problem> Driver<'p, P> {
     /// # Errors
     /// As for [`Session::tell`].
     pub fn step(&mut self) -> Result<Option<Told>, LearnError> {
-        if self.told.is_empty() {
-            self.go_on()?;
+        let Self { problem, session, ahead: None, batch, evaluations, .. } = self else { return self.step_behind() };
+        if session.evaluations().len() > 0 {
+            let weights = weights_of(session);
+            evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
+            return session.tell(&evaluations.costs[..weights.len()], &[]).map(Some);
         }
-        Ok(self.told.pop_front())
+        if !session.has_batch() {
+            return Ok(None);
+        }
+        let count = batch.make_next(*problem, session);
+        let signals = batch.signals.get(..count).unwrap_or(&[]);
+        session.tell_batch(&batch.costs[..count], signals).map(Some)
     }
 
-    /// Makes and tells motions until there is something to hand out or learning is over.
-    fn go_on(&mut self) -> Result<(), LearnError> {
-        let most = if self.problem.may_run_ahead() { self.problem.together() } else { 1 };
+    /// Hands out what was told ahead.
+    fn step_behind(&mut self) -> Result<Option<Told>, LearnError> {
+        if self.told.is_empty() {
+            self.run_ahead()?;
+        }
+        let Some(told) = self.told.pop_front() else { return Ok(None) };
+        self.session.replay(&told.record)?;
+        Ok(Some(told))
+    }
+
+    /// Goes on until evaluations are made or learning is over.
+    fn run_ahead(&mut self) -> Result<(), LearnError> {
         let begun = Instant::now();
         let mut updates = Vec::new();
         loop {
-            let Self { problem, session, batch, made, told, .. } = self;
-            let due = session.evaluations().len();
+            let Self { problem, ahead: Some(ahead), batch, made, .. } = self else { return Ok(()) };
+            let due = ahead.evaluations().len();
             // One that was due from the beginning is handed out before any update.
-            let is_enough = due >= most || due > updates.len() || begun.elapsed() >= LONGEST_GATHERING;
-            if due > 0 && (is_enough || !session.has_batch()) {
+            let is_enough = due >= problem.together() || due > updates.len() || begun.elapsed() >= LONGEST_GATHERING;
+            if due > 0 && (is_enough || !ahead.has_batch()) {
                 return self.evaluate(updates);
             }
             let count = match made.take() {
                 Some(count) => count,
-                None if session.has_batch() => batch.make_next(*problem, session),
+                None if ahead.has_batch() => batch.make_next(*problem, ahead),
                 None => return Ok(()),
             };
-            let signals = batch.signals.get(..count).unwrap_or(&[]);
-            match session.tell_batch(&batch.costs[..count], signals) {
+            match ahead.tell_batch(&batch.costs[..count], &[]) {
                 Ok(update) => updates.push(update),
                 Err(_) if due > 0 => {
                     // The error holds what was learned before: that is found out first.
@@ -203,27 +218,23 @@ impl<'p, P: Problem> Driver<'p, P> {
                 }
                 Err(error) => return Err(error),
             }
-            if session.evaluations().len() == 0 {
-                told.extend(updates);
-                return Ok(());
-            }
         }
     }
 
-    /// Makes the evaluations that are due, and hands them out, each after its update.
+    /// Makes the evaluations that are due beside the next batch, to be handed out each after its update.
     fn evaluate(&mut self, updates: Vec<Told>) -> Result<(), LearnError> {
-        let Self { problem, session, batch, evaluations, made, told } = self;
-        let weights: Vec<Vec<f64>> = session.evaluations().map(|progress| progress.weights.clone()).collect();
+        let Self { problem, ahead: Some(ahead), batch, evaluations, made, told, .. } = self else { return Ok(()) };
+        let weights = weights_of(ahead);
         let mut evaluate = || evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
-        if problem.may_run_ahead() && made.is_none() && session.has_batch() {
-            *made = Some(rayon::join(|| batch.make_next(*problem, session), evaluate).0);
+        if made.is_none() && ahead.has_batch() {
+            *made = Some(rayon::join(|| batch.make_next(*problem, ahead), evaluate).0);
         } else {
             evaluate();
         }
         let mut updates = updates.into_iter();
         for cost in &evaluations.costs[..weights.len()] {
             told.extend(updates.next());
-            told.push_back(session.tell(slice::from_ref(cost), &[])?);
+            told.push_back(ahead.tell(slice::from_ref(cost), &[])?);
         }
         Ok(())
     }
@@ -244,8 +255,8 @@ impl<'p, P: Problem> Driver<'p, P> {
 
 /// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
 ///
-/// `observe` sees the start and every update, in order; it returns whether to go on, and is shown all that was learned
-/// by then ([`Driver`]). No more than `max_rollouts` motions are made; every motion counts.
+/// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts` motions
+/// are made; every motion counts, but for those made ahead of the evaluation that `observe` stops at ([`Driver`]).
 ///
 /// # Errors
 /// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
@@ -259,10 +270,10 @@ pub fn learn_with<P: Problem>(
 ) -> Result<History, LearnError> {
     let session = Session::begin(problem, weights, method, max_rollouts)?;
     let mut driver = Driver::new(problem, session);
-    let mut goes_on = true;
-    while goes_on || !driver.is_at_rest() {
-        let Some(progress) = driver.advance()? else { break };
-        goes_on &= observe(&progress);
+    while let Some(progress) = driver.advance()? {
+        if !observe(&progress) {
+            break;
+        }
     }
     Ok(driver.session().history())
 }
@@ -279,6 +290,11 @@ pub fn learn<P: Problem>(
     observe: impl FnMut(&Progress) -> bool,
 ) -> Result<History, LearnError> {
     learn_with(problem, weights, &Method::Pi2(options), max_rollouts, observe)
+}
+
+/// What `session` is to have evaluated.
+fn weights_of(session: &Session) -> Vec<Vec<f64>> {
+    session.evaluations().map(|progress| progress.weights.clone()).collect()
 }
 
 /// The parameters of one motion each.

@@ -17,6 +17,8 @@
 
 mod update;
 
+use std::sync::Arc;
+
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
@@ -156,7 +158,8 @@ pub struct Pi2 {
     options: Pi2Options,
     steps: usize,
     blocks: Vec<BlockState>,
-    bases: Bases,
+    /// Shared by all copies of the learner.
+    bases: Arc<Bases>,
     weights: Vec<f64>,
     /// Standard deviation of each parameter's exploration before annealing, as a fraction of its block's noise.
     spread: Vec<f64>,
@@ -187,7 +190,7 @@ impl BlockState {
 impl Pi2 {
     /// A learner that starts from `weights`, all blocks one after the other, each row of the blocks' tables a step.
     pub fn new(blocks: &[Block], steps: usize, weights: Vec<f64>, options: Pi2Options) -> Self {
-        let bases = Bases::new(blocks, steps, options.is_projected);
+        let bases = Arc::new(Bases::new(blocks, steps, options.is_projected));
         let mut start = 0;
         let blocks = blocks
             .iter()

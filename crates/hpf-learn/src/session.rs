@@ -9,6 +9,9 @@
 //! draws it learned from: the start, and the cheapest motion of each update, are then rolled out once more under those
 //! held out, and these are the evaluations.
 //!
+//! Batches of PI2 may be told before the evaluations that are due, which are then told in their order: what comes of it is
+//! the same.
+//!
 //! A session is a function of its settings and of the [`Record`]s it was told: replayed, it is in the same state to the
 //! bit, for random numbers come from (seed, update, rollout) and not from a generator that runs along.
 
@@ -195,15 +198,17 @@ impl Session {
         self.evaluations.iter()
     }
 
-    /// Whether another batch is certain to follow, whatever comes of the evaluations before it.
-    pub(crate) fn has_batch(&self) -> bool {
-        let is_certain = self.evaluations.is_empty() || self.takes_batches_ahead();
-        is_certain && self.over.is_none() && self.limit().is_none()
+    /// Whether the method asks for batches before it knows what its updates cost.
+    pub(crate) fn may_run_ahead(&self) -> bool {
+        matches!(self.stage, Stage::Pi2(_))
     }
 
-    /// Whether a batch may be told before the evaluations that are due.
-    fn takes_batches_ahead(&self) -> bool {
-        matches!(self.stage, Stage::Pi2(_)) && self.evaluations.front().is_some_and(|progress| progress.update > 0)
+    /// Whether a batch may be told: where evaluations are due, one that is certain to follow whatever comes of them.
+    pub(crate) fn has_batch(&self) -> bool {
+        match self.evaluations.front() {
+            None => self.over.is_none(),
+            Some(due) => due.update > 0 && self.may_run_ahead() && self.limit().is_none(),
+        }
     }
 
     /// PI2 and room for the samples that it is to draw, where the batch is one of its.

@@ -4,8 +4,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
     AutoOptions, Block, CmaEsOptions, Cost, Covariance, Draws, Driver, Exploration, GaussNewtonOptions, LearnError,
-    Method, Parameters, Pi2Options, Problem, Progress, Record, Session, SignalGroup, SignalModel, Stop, Told,
-    learn_with,
+    Method, Parameters, Pi2Options, Problem, Record, Session, SignalGroup, SignalModel, Stop, Told, learn_with,
 };
 
 const STEPS: usize = 6;
@@ -193,6 +192,18 @@ fn every_motion_of_every_draw_counts_and_none_is_made_beyond_the_limit() {
     }
 }
 
+#[test]
+fn the_start_is_known_however_few_motions_are_allowed() {
+    for (method, has_signals) in methods() {
+        for allowed in [0, 1] {
+            let problem = Bent::new(has_signals, 1);
+            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(allowed), |_| true).unwrap();
+            assert_eq!((history.rollouts, history.stop), (1, Stop::Rollouts), "{method:?}");
+            assert!(history.initial.total.is_finite() && history.best == history.initial);
+        }
+    }
+}
+
 /// All that is told, and how it ends, on so many threads; the motions made.
 fn run(problem: &Bent, method: &Method, allowed: usize, threads: usize) -> (Vec<Told>, String, usize) {
     let session = Session::begin(problem, vec![0.1; 2 * COUNT], method, Some(allowed)).unwrap();
@@ -234,26 +245,36 @@ fn updates_made_before_the_evaluations_of_those_before_change_nothing() {
 }
 
 #[test]
-fn whoever_stops_is_shown_all_that_was_learned_by_then() {
+fn motions_made_ahead_do_not_count_where_nobody_goes_on() {
     let method = methods()[0].0;
-    for last in 0..4 {
-        for (runs_ahead, together) in [(false, 8), (true, 1), (true, 3), (true, 8)] {
-            let problem = Bent { runs_ahead, together, ..Bent::new(false, 1) };
-            let mut seen = Vec::new();
-            let observe = |progress: &Progress| {
-                seen.push(progress.clone());
-                progress.update < last
-            };
-            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, observe).unwrap();
-            let end = seen.last().expect("at least the start");
-            assert_eq!((history.updates, history.rollouts, history.stop), (end.update, end.rollouts, Stop::Asked));
-            let best = seen.iter().fold(&seen[0], |best, next| if next.total < best.total { next } else { best });
-            assert_eq!(&history.best, best);
-            assert!(end.update < last + together && (runs_ahead || end.update == last));
-            // One batch of five may follow.
-            assert!([history.rollouts, history.rollouts + 5].contains(&problem.made()));
+    for last in 0..7 {
+        let learned = |together| {
+            let problem = Bent { runs_ahead: together > 0, together, ..Bent::new(false, 1) };
+            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, |p| p.update < last).unwrap();
+            (history, problem.made())
+        };
+        let (history, made) = learned(0);
+        assert_eq!((history.rollouts, history.stop), (made, Stop::Asked));
+        for together in [1, 3, 8] {
+            let (ahead, made_ahead) = learned(together);
+            assert_eq!(ahead, history);
+            // Updates are batches of five and an evaluation; a batch follows beside the evaluations.
+            assert!((made..=made + 6 * together + 5).contains(&made_ahead), "{made_ahead} rather than {made}");
         }
     }
+}
+
+#[test]
+fn a_batch_is_handed_out_before_it_is_evaluated_where_motions_are_dear() {
+    let problem = Bent { runs_ahead: false, ..Bent::new(false, 1) };
+    let session = Session::begin(&problem, vec![0.1; 2 * COUNT], &methods()[0].0, None).unwrap();
+    let mut driver = Driver::new(&problem, session);
+    let mut made = Vec::new();
+    for _ in 0..5 {
+        driver.step().unwrap().unwrap();
+        made.push(problem.made());
+    }
+    assert_eq!(made, [1, 6, 7, 12, 13]);
 }
 
 #[test]

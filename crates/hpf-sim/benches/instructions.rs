@@ -1,5 +1,5 @@
-//! What `scripts/instructions.sh` counts: so many updates of PI2 on one thread, 8 rollouts each and no evaluation,
-//! without measuring anything itself.
+//! What `scripts/instructions.sh` counts: so many batches of 8 rollouts, or so many updates of PI2 from one, on one
+//! thread, without measuring anything itself.
 //!
 //! Arguments: task (cantilever, via_point), part (rollouts, update), times.
 

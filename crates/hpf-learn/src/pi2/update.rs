@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::{Batch, Credit};
 use crate::weighting::{Costs, LANES, Pack, packs, softmax, sum_of};
-use crate::{Block, Cost, Temperature};
+use crate::{Block, Cost, Parameters, Temperature};
 
 /// Steps that one thread works on at a time.
 const STRETCH: usize = 64;
@@ -198,9 +198,10 @@ impl Rooms {
                 inputs.sum_back(kept, start..inputs.steps.min(start + span), &mut to_go, |_, _| ());
                 *sum = to_go.0;
             }
-            // Of parameters that change with the steps, this is the first row, and each stretch works out its own.
             for (&k, row) in kept.iter().zip(exploration.chunks_exact_mut(bases.width)) {
-                bases.pack_difference(inputs.batch.sample(k).at(0), inputs.weights, row);
+                if let Parameters::Constant(sample) = inputs.batch.sample(k) {
+                    bases.pack_difference(sample, inputs.weights, row);
+                }
             }
         };
         let explored = LANES * bases.width;

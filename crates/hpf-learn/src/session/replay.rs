@@ -17,7 +17,7 @@ impl Session {
             Record::Costs(prices) if !self.evaluations.is_empty() => {
                 Some(self.evaluated(prices.first().ok_or(LearnError::WrongRecord)?)?)
             }
-            record if self.evaluations.is_empty() || self.takes_batches_ahead() => self.learned(record)?,
+            record if self.has_batch() => self.learned(record)?,
             _ => return Err(LearnError::WrongRecord),
         };
         self.look_ahead();
