@@ -98,7 +98,8 @@ pub enum Method {
     /// time), `max_rollouts`, `noise` (the largest perturbations), `initial_path` and `seed`.
     #[serde(rename = "gauss-newton")]
     GaussNewton,
-    /// Signals where the environment has them, else the costs of the steps, then PI2; the keys of `gauss-newton`.
+    /// Signals where the environment has them, else the costs of the steps (their roots, then the squares that they are
+    /// made of), then PI2; the keys of `gauss-newton`.
     #[serde(rename = "auto")]
     Auto,
     /// Evolution by covariance matrix adaptation, on the total cost: the keys of `gauss-newton`, `noise` being the

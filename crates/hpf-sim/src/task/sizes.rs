@@ -28,6 +28,8 @@ const PACK: f64 = 8.0;
 const SIGNALS: f64 = 7.0;
 /// Numbers that one axis meets in a step: forces at both its ends, the error of a reading, whether it is lost.
 const MET: f64 = 4.0;
+/// Signals that the cost of a step stands for, where there are no others.
+const SQUARES: f64 = 4.0;
 /// Trajectories at work at once beside those kept: a blank one, two of evaluations, and a table being written as text.
 const WORKING: f64 = 8.0;
 /// Trajectories that each thread works on.
@@ -124,7 +126,12 @@ impl Task {
                 + f64::from(u8::from(cost.contact_force > 0.0));
             let signals = by_step * (steps + 1.0) + axes * (2.0 + self.via_point.len() as f64);
             let signals = signals * self.draws() as f64;
-            tables.push(table("movement.basis", "parameters against signals", parameters * signals, 3.0));
+            // A process may tell costs alone, of which squares are learned.
+            let (signals, copies) = match self.environment {
+                Some(_) => (signals.max(SQUARES * (steps + 1.0)), 4.0),
+                None => (signals, 3.0),
+            };
+            tables.push(table("movement.basis", "parameters against signals", parameters * signals, copies));
             tables.push(table("movement.basis", "parameters against parameters", parameters * parameters, 8.0));
         }
         tables
