@@ -157,8 +157,8 @@ impl Squares {
         self.response.scales()
     }
 
-    /// Number of costs of a sample.
-    pub(crate) fn costs(&self) -> usize {
+    /// Number of costs of a sample, whose roots stand for signals.
+    pub(crate) fn signals(&self) -> usize {
         self.costs
     }
 

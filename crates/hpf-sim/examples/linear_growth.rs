@@ -59,10 +59,13 @@ type Row = (&'static str, [usize; 4], fn(&mut Size, usize));
 
 fn main() {
     let middle = Size { steps: 500, bases: 20, axes: 2, rollouts: 32 };
-    let rows: [Row; 4] = [
+    let rows: [Row; 7] = [
         ("steps", [250, 500, 1000, 2000], |size, value| size.steps = value),
+        ("basis functions", [20, 40, 80, 160], |size, value| size.bases = value),
         ("basis functions", [40, 80, 160, 320], |size, value| size.bases = value),
+        ("axes", [1, 2, 4, 6], |size, value| size.axes = value),
         ("axes", [2, 3, 4, 6], |size, value| size.axes = value),
+        ("rollouts K", [16, 32, 64, 128], |size, value| size.rollouts = value),
         ("rollouts K", [32, 64, 128, 256], |size, value| size.rollouts = value),
     ];
     println!("| | sizes | ms per update | slope | from a line |\n|---|---|---|---|---|");

@@ -15,55 +15,47 @@ pub(super) enum Learner {
     Squares(Box<Squares>, FallBack),
 }
 
+/// The same of each.
+macro_rules! each {
+    ($self:ident, $learner:ident => $result:expr) => {
+        match $self {
+            Self::Signals($learner) | Self::Roots($learner, _) => $result,
+            Self::Squares($learner, _) => $result,
+        }
+    };
+}
+
 impl Learner {
     /// The samples to roll out next.
     pub(super) fn ask(&self) -> &[Vec<f64>] {
-        match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.ask(),
-            Self::Squares(learner, _) => learner.ask(),
-        }
+        each!(self, learner => learner.ask())
     }
 
     /// Takes what the first of them were told; returns how many were rejected.
     pub(super) fn tell(&mut self, told: &[Vec<f64>]) -> usize {
-        match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.tell(told),
-            Self::Squares(learner, _) => learner.tell(told),
-        }
+        each!(self, learner => learner.tell(told))
+    }
+
+    /// How many numbers it is told of a sample.
+    pub(super) fn signals(&self) -> usize {
+        each!(self, learner => learner.signals())
+    }
+
+    pub(super) fn update(&self) -> usize {
+        each!(self, learner => learner.update())
+    }
+
+    pub(super) fn reach(&self) -> f64 {
+        each!(self, learner => learner.reach())
+    }
+
+    pub(super) fn settled(&self) -> Option<Settled> {
+        each!(self, learner => learner.settled())
     }
 
     /// Whether it is told signals, rather than the roots of costs.
     pub(super) fn wants_signals(&self) -> bool {
         matches!(self, Self::Signals(_))
-    }
-
-    /// How many numbers it is told of a sample.
-    pub(super) fn count(&self) -> usize {
-        match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.signals(),
-            Self::Squares(learner, _) => learner.costs(),
-        }
-    }
-
-    pub(super) fn update(&self) -> usize {
-        match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.update(),
-            Self::Squares(learner, _) => learner.update(),
-        }
-    }
-
-    pub(super) fn reach(&self) -> f64 {
-        match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.reach(),
-            Self::Squares(learner, _) => learner.reach(),
-        }
-    }
-
-    pub(super) fn settled(&self) -> Option<Settled> {
-        match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.settled(),
-            Self::Squares(learner, _) => learner.settled(),
-        }
     }
 
     pub(super) fn is_coupled(&self) -> bool {

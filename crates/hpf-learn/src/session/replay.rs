@@ -114,7 +114,7 @@ impl Session {
         let count = prices.len();
         let fits = (1..=learner.ask().len()).contains(&count)
             && signals.len() == count
-            && signals.iter().all(|signals| signals.len() == learner.count());
+            && signals.iter().all(|signals| signals.len() == learner.signals());
         if !fits {
             return Err(LearnError::WrongRecord);
         }
@@ -190,11 +190,9 @@ impl Session {
             // Where even the smallest perturbations fail, samples of PI2 would, too.
             Learner::Squares(..) if reason == Settled::NoSignals => None,
             Learner::Squares(learner, fall_back) => Some((Note::FellBack(reason), polish(fall_back, learner.scales()))),
-            Learner::Roots(learner, fall_back) if is_negative => {
-                Some((Note::NegativeCosts, polish(fall_back, learner.scales())))
-            }
-            Learner::Roots(learner, fall_back) if learner.is_noisy() => {
-                Some((Note::FellBack(reason), polish(fall_back, learner.scales())))
+            Learner::Roots(learner, fall_back) if is_negative || learner.is_noisy() => {
+                let note = if is_negative { Note::NegativeCosts } else { Note::FellBack(reason) };
+                Some((note, polish(fall_back, learner.scales())))
             }
             Learner::Roots(_, fall_back) => {
                 let learner =
