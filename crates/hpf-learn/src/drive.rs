@@ -134,8 +134,8 @@ const LONGEST_GATHERING: Duration = Duration::from_millis(100);
 /// Makes the motions that a session asks for on the current rayon pool: the same numbers for any number of threads.
 ///
 /// Where the problem allows it ([`Problem::may_run_ahead`]), PI2 does not wait for what its updates are found to cost:
-/// as many evaluations as make a full batch gather and are made together, beside the batch that is sure to follow. What
-/// is handed out, and in which order, stays the same; what nobody asks for any more never counts.
+/// evaluations gather until every thread has as many as it likes best, and are made together, beside the batch that is
+/// sure to follow. What is handed out, and in which order, stays the same; what nobody asks for any more never counts.
 pub struct Driver<'p, P: Problem> {
     problem: &'p P,
     /// Told of what was handed out.
@@ -195,12 +195,13 @@ impl<'p, P: Problem> Driver<'p, P> {
     /// Goes on until evaluations are made or learning is over.
     fn run_ahead(&mut self) -> Result<(), LearnError> {
         let begun = Instant::now();
+        let enough = self.problem.together() * rayon::current_num_threads();
         let mut updates = Vec::new();
         loop {
             let Self { problem, ahead: Some(ahead), batch, made, .. } = self else { return Ok(()) };
             let due = ahead.evaluations().len();
             // One that was due from the beginning is handed out before any update.
-            let is_enough = due >= problem.together() || due > updates.len() || begun.elapsed() >= LONGEST_GATHERING;
+            let is_enough = due >= enough || due > updates.len() || begun.elapsed() >= LONGEST_GATHERING;
             if due > 0 && (is_enough || !ahead.has_batch()) {
                 return self.evaluate(updates);
             }

@@ -15,18 +15,22 @@
 //! Sources: Theodorou, Buchli, Schaal, JMLR 11:3137, 2010; the paper's Section 4 (doi 10.3390/s24123964), which
 //! prints the full sum for S (`Credit::Total`) and exp(-S/lambda) with lambda unstated (`Temperature::Lambda`).
 
+mod bases;
+mod group;
 mod update;
 
 use std::sync::Arc;
 
+use hpf_core::Real as _;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
 use crate::noise::stream;
-use crate::weighting::{Costs, LANES, packs, softmax};
+use crate::weighting::{Pack, softmax};
 use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, Temperature};
-use update::{Bases, Inputs, Rooms};
+use bases::Bases;
+use update::{Inputs, Rooms};
 
 /// Which cost a step answers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,6 +132,11 @@ impl Batch {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
+    }
+
+    /// Whether a sample holds for all steps.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.rows == 1
     }
 
     /// All numbers of rollout `k`.
@@ -341,19 +350,18 @@ impl Pi2 {
             self.rooms = rooms;
             return Err(Pi2Error::AllRejected { update: self.update, rollouts: costs.len() });
         }
-        let rejected = costs.len() - rooms.kept.len();
+        let rejected = costs.len() - rooms.kept().count();
         rooms.improve(&inputs);
         if self.options.covariance != Covariance::Fixed {
-            self.adapt(batch, costs, &rooms.kept);
+            let kept: Vec<usize> = rooms.kept().collect();
+            self.adapt(batch, costs, &kept);
         }
-        let mut changes = rooms.changes(&self.bases);
         for block in &self.blocks {
-            for weight in &mut self.weights[block.start..block.start + block.count] {
-                let change = changes.next().expect("one change per weight");
+            let own = block.start..block.start + block.count;
+            for (weight, change) in self.weights[own.clone()].iter_mut().zip(&rooms.changes()[own]) {
                 *weight = (*weight + change).clamp(block.min, block.max);
             }
         }
-        drop(changes);
         self.rooms = rooms;
         self.update += 1;
         Ok(rejected)
@@ -361,11 +369,8 @@ impl Pi2 {
 
     /// Lets the spread follow that of the rollouts that weigh.
     fn adapt(&mut self, batch: &Batch, costs: &[Cost], kept: &[usize]) {
-        let mut shares = vec![[costs[kept[0]].total(); LANES]; packs(kept.len())];
-        for (i, &k) in kept.iter().enumerate() {
-            shares[i / LANES][i % LANES] = costs[k].total();
-        }
-        softmax(&mut Costs { packs: &mut shares, count: kept.len() }, self.options.temperature, &mut Vec::new());
+        let totals: Vec<Pack> = kept.iter().map(|&k| Pack::of(costs[k].total())).collect();
+        let shares = softmax(&totals, self.options.temperature);
         let scale = self.exploration();
         for block in &self.blocks {
             for j in block.start..block.start + block.count {
@@ -378,8 +383,7 @@ impl Pi2 {
                     if steps > 0.0 { sum / (steps * unit * unit) } else { 0.0 }
                 };
                 if unit > 0.0 {
-                    let weighted =
-                        kept.iter().zip(shares.as_flattened()).map(|(&k, share)| share * mean_square(k)).sum();
+                    let weighted = kept.iter().zip(&shares).map(|(&k, share)| share.0[0] * mean_square(k)).sum();
                     self.spread[j] = self.options.covariance.next(self.spread[j], weighted);
                 }
             }

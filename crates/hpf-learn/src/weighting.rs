@@ -1,10 +1,10 @@
-//! Weights: how costs become shares of the rollouts in an update.
+//! Weights: how costs become shares of the rollouts in an update, eight steps at a time.
 
 use hpf_core::{Lanes, Real};
 
-/// Costs that are worked on together.
+/// Steps that are worked on together.
 pub(crate) const LANES: usize = 8;
-/// So many numbers, one per lane.
+/// A number of each of them.
 pub(crate) type Pack = Lanes<LANES>;
 
 /// How costs become weights of the rollouts.
@@ -25,134 +25,131 @@ const MOST_SHARPNESS: f64 = 1e5;
 /// Halvings that leave nothing between 0 and that.
 const SHARPNESS_HALVINGS: usize = 64;
 
-/// Packs that hold `count` costs.
-pub(crate) fn packs(count: usize) -> usize {
-    count.div_ceil(LANES)
+/// The smaller of two, lane by lane; `a` where `b` is NaN.
+#[inline(always)]
+pub(crate) fn least(a: Pack, b: Pack) -> Pack {
+    a.zip(b, |a, b| if b < a { b } else { a })
 }
 
-/// The costs of one step: `count` of them, the lanes behind them filled with any of theirs.
-pub(crate) struct Costs<'a> {
-    pub(crate) packs: &'a mut [[f64; LANES]],
-    pub(crate) count: usize,
+/// The larger of two, lane by lane; `a` where `b` is NaN.
+#[inline(always)]
+pub(crate) fn most(a: Pack, b: Pack) -> Pack {
+    a.zip(b, |a, b| if b > a { b } else { a })
 }
 
-impl Costs<'_> {
-    fn at(&self, k: usize) -> f64 {
-        self.packs[k / LANES][k % LANES]
-    }
+/// What a cost weighs beside the others of its step: `exp(-rate (S - least)/2)`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    half_least: Pack,
+    rate: Pack,
+}
 
-    /// Nought in the lanes behind the last cost.
-    #[inline(always)]
-    fn masked(&self, pack: usize, weight: Pack) -> Pack {
-        let mut weight = weight;
-        for (lane, slot) in weight.0.iter_mut().enumerate() {
-            *slot = if pack * LANES + lane < self.count { *slot } else { 0.0 };
-        }
-        weight
+impl Default for Scale {
+    /// All alike.
+    fn default() -> Self {
+        Self { half_least: Pack::ZERO, rate: Pack::ZERO }
     }
+}
 
-    /// `exp(-h (S - min)/(2 half_unit))` of one pack.
+impl Scale {
     #[inline(always)]
-    fn weigh(&self, pack: usize, sharpness: f64, min: f64, half_unit: f64) -> Pack {
+    pub(crate) fn weigh(self, costs: Pack) -> Pack {
         // Halves, because a difference of two finite costs may be infinite.
-        let above = Lanes::of(0.5) * Lanes(self.packs[pack]) - Lanes::of(0.5 * min);
-        self.masked(pack, (Lanes::of(-sharpness) * (above / Lanes::of(half_unit))).exp())
+        let above = Lanes::of(0.5) * costs - self.half_least;
+        (-self.rate * above).exp()
     }
 
-    /// The h at which `size` rollouts count, by halving between none and one that leaves the cheapest alone.
+    /// With another sharpness: `exp(-h (S - least)/range)`, and all alike where there is no range.
     #[inline(always)]
-    fn sharpness_of(&self, min: f64, half_range: f64, size: f64) -> f64 {
-        let effective = |h: f64| {
-            let (mut sum, mut squares) = (Pack::ZERO, Pack::ZERO);
-            for pack in 0..self.packs.len() {
-                let weights = self.weigh(pack, h, min, half_range);
-                sum += weights;
-                squares += weights * weights;
-            }
-            sum_of(sum) * sum_of(sum) / sum_of(squares)
-        };
-        let (mut low, mut high) = (0.0, MOST_SHARPNESS);
-        for _ in 0..SHARPNESS_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if effective(middle) > size { low = middle } else { high = middle }
-        }
-        low
+    fn sharp(self, h: Pack, half_range: Pack) -> Self {
+        // A range so small that the rate would be infinite is none, either.
+        let rate = (h / half_range)
+            .zip(half_range, |rate, range| if range > 0.0 && rate < f64::INFINITY { rate } else { 0.0 });
+        Self { rate, ..self }
     }
+}
 
-    /// The weights by rank; equal costs share what their ranks weigh together.
-    fn rank(&mut self, order: &mut Vec<usize>) {
-        let count = self.count;
-        order.clear();
-        order.extend(0..count);
-        order.sort_unstable_by(|&a, &b| self.at(a).total_cmp(&self.at(b)).then(a.cmp(&b)));
-        let weigh = |i: usize| (libm::log(0.5 * (count + 1) as f64) - libm::log((i + 1) as f64)).max(0.0);
+impl Temperature {
+    /// How `costs` between `least` and `most` weigh. Ranks are weighed by [`Ranking`].
+    #[inline(always)]
+    pub(crate) fn scale(self, least: Pack, most: Pack, costs: impl Iterator<Item = Pack> + Clone) -> Scale {
+        let half = Pack::of(0.5);
+        let half_range = half * most - half * least;
+        let scale = Scale { half_least: half * least, rate: Pack::ZERO };
+        match self {
+            Self::Range(h) => scale.sharp(Pack::of(h), half_range),
+            Self::Lambda(lambda) => Scale { rate: Pack::of((2.0 / lambda).min(f64::MAX)), ..scale },
+            Self::EffectiveSize(size) => {
+                let mut bounds = [Pack::ZERO, Pack::of(MOST_SHARPNESS)];
+                for _ in 0..SHARPNESS_HALVINGS {
+                    let middle = half * (bounds[0] + bounds[1]);
+                    let scale = scale.sharp(middle, half_range);
+                    let (mut sum, mut squares) = (Pack::ZERO, Pack::ZERO);
+                    for costs in costs.clone() {
+                        let weights = scale.weigh(costs);
+                        sum += weights;
+                        squares += weights * weights;
+                    }
+                    let effective = sum * sum / squares;
+                    for lane in 0..LANES {
+                        bounds[usize::from(effective.0[lane] <= size)].0[lane] = middle.0[lane];
+                    }
+                }
+                scale.sharp(bounds[0], half_range)
+            }
+            Self::Rank => scale,
+        }
+    }
+}
+
+/// What ranks weigh, summed up: entry i is of the i cheapest together.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ranking(Vec<f64>);
+
+impl Ranking {
+    /// Makes it that of so many rollouts.
+    pub(crate) fn set(&mut self, count: usize) {
         // A single rollout has the weight of nought by the formula, and all of it by being alone.
-        let sum = (0..count).map(weigh).sum::<f64>();
-        let mut first = 0;
-        while first < count {
-            let cost = self.at(order[first]);
-            let end = (first..count).find(|&i| self.at(order[i]) != cost).unwrap_or(count);
-            let share = (first..end).map(weigh).sum::<f64>() / (end - first) as f64;
-            for &k in &order[first..end] {
-                self.packs[k / LANES][k % LANES] = if sum > 0.0 { share / sum } else { 1.0 / count as f64 };
-            }
-            first = end;
+        let of_one = if count == 1 { 1.0 } else { 0.0 };
+        let weigh = |i: usize| (libm::log(0.5 * (count + 1) as f64) - libm::log((i + 1) as f64)).max(of_one);
+        self.0.clear();
+        self.0.push(0.0);
+        for i in 0..count {
+            self.0.push(self.0[i] + weigh(i));
         }
-        for pack in 0..self.packs.len() {
-            self.packs[pack] = self.masked(pack, Lanes(self.packs[pack])).0;
+    }
+
+    /// The weights of `costs` among `all`; equal costs share what their ranks weigh together, NaN has none.
+    #[inline(always)]
+    pub(crate) fn weigh<'a>(&self, costs: Pack, all: impl Iterator<Item = &'a Pack>) -> Pack {
+        let (mut below, mut equal) = (Pack::ZERO, Pack::ZERO);
+        for others in all {
+            below += others.zip(costs, |other, cost| if other < cost { 1.0 } else { 0.0 });
+            equal += others.zip(costs, |other, cost| if other == cost { 1.0 } else { 0.0 });
         }
+        below.zip(equal, |below, equal| {
+            let (first, count) = (below as usize, equal as usize);
+            (self.0[first + count] - self.0[first]) / equal
+        })
     }
 }
 
-/// The sum of all lanes, in their order.
-#[inline(always)]
-pub(crate) fn sum_of(pack: Pack) -> f64 {
-    pack.0.iter().fold(0.0, |sum, value| sum + value)
-}
-
-/// All lanes taken together two by two, by a choice that may be made in any order.
-#[inline(always)]
-fn reduce(mut pack: Pack, choose: impl Fn(f64, f64) -> f64) -> f64 {
-    for half in [4, 2, 1] {
-        for lane in 0..half {
-            pack.0[lane] = choose(pack.0[lane], pack.0[lane + half]);
-        }
-    }
-    pack.0[0]
-}
-
-/// Turns costs into weights that sum to one, nought in the lanes behind them; equal costs get equal weights.
-///
-/// `order` is room for the order of the costs.
-#[inline(always)]
-pub(crate) fn softmax(costs: &mut Costs<'_>, temperature: Temperature, order: &mut Vec<usize>) {
-    if temperature == Temperature::Rank {
-        return costs.rank(order);
-    }
-    // The costs are finite: no choice here needs to care for NaN.
-    let least = |a: f64, b: f64| if b < a { b } else { a };
-    let most = |a: f64, b: f64| if b > a { b } else { a };
-    let (mut low, mut high) = (Pack::of(f64::INFINITY), Pack::of(f64::NEG_INFINITY));
-    for pack in costs.packs.iter() {
-        (low, high) = (low.zip(Lanes(*pack), least), high.zip(Lanes(*pack), most));
-    }
-    let (min, max) = (reduce(low, least), reduce(high, most));
-    let half_range = 0.5 * max - 0.5 * min;
-    let (sharpness, half_unit) = match temperature {
-        Temperature::Range(h) if half_range > 0.0 => (h, half_range),
-        Temperature::Range(_) => (0.0, 1.0),
-        Temperature::Lambda(lambda) => (1.0, 0.5 * lambda),
-        Temperature::EffectiveSize(size) if half_range > 0.0 => (costs.sharpness_of(min, half_range, size), half_range),
-        Temperature::EffectiveSize(_) | Temperature::Rank => (0.0, 1.0),
+/// The weights of costs, a rollout's each, which sum to one; equal costs weigh the same.
+pub(crate) fn softmax(costs: &[Pack], temperature: Temperature) -> Vec<Pack> {
+    let all = || costs.iter().copied();
+    let mut weights: Vec<Pack> = if temperature == Temperature::Rank {
+        let mut ranking = Ranking::default();
+        ranking.set(costs.len());
+        all().map(|pack| ranking.weigh(pack, costs.iter())).collect()
+    } else {
+        let low = all().fold(Pack::of(f64::INFINITY), least);
+        let high = all().fold(Pack::of(f64::NEG_INFINITY), most);
+        let scale = temperature.scale(low, high, all());
+        all().map(|costs| scale.weigh(costs)).collect()
     };
-    // One after the other, so that a weight of nought leaves the others alone to the last bit.
-    let mut sum = 0.0;
-    for pack in 0..costs.packs.len() {
-        costs.packs[pack] = costs.weigh(pack, sharpness, min, half_unit).0;
-        sum = costs.packs[pack].iter().fold(sum, |sum, weight| sum + weight);
-    }
-    let sum = Pack::of(sum);
-    costs.packs.iter_mut().for_each(|weights| *weights = (Lanes(*weights) / sum).0);
+    let sum = weights.iter().fold(Pack::ZERO, |sum, weights| sum + *weights);
+    weights.iter_mut().for_each(|weights| *weights = *weights / sum);
+    weights
 }
 
 #[cfg(test)]
@@ -160,14 +157,8 @@ mod tests {
     use super::*;
 
     fn weights(costs: &[f64], temperature: Temperature) -> Vec<f64> {
-        let mut room = vec![[costs[0]; LANES]; packs(costs.len())];
-        for (k, cost) in costs.iter().enumerate() {
-            room[k / LANES][k % LANES] = *cost;
-        }
-        softmax(&mut Costs { packs: &mut room, count: costs.len() }, temperature, &mut Vec::new());
-        let all: Vec<f64> = room.as_flattened().to_vec();
-        assert!(all[costs.len()..].iter().all(|weight| *weight == 0.0), "lanes behind the costs");
-        all[..costs.len()].to_vec()
+        let packs: Vec<Pack> = costs.iter().map(|cost| Pack::of(*cost)).collect();
+        softmax(&packs, temperature).iter().map(|weights| weights.0[0]).collect()
     }
 
     #[test]

@@ -9,7 +9,8 @@ use hpf_learn::{
     Anneal, Batch, Block, Cost, Covariance, Credit, Exploration, Parameters, Pi2, Pi2Error, Pi2Options, Temperature,
 };
 
-const STEPS: usize = 40;
+/// Not a multiple of the steps that are worked on together.
+const STEPS: usize = 43;
 
 /// Forcing scale of the movement block: it must cancel.
 const SCALE: f64 = -0.37;
@@ -39,18 +40,21 @@ fn costs(rollouts: usize) -> Vec<Cost> {
 }
 
 fn every_option(rollouts: usize) -> impl Iterator<Item = Pi2Options> {
-    let temperatures = [Temperature::Range(10.0), Temperature::Lambda(7.0)];
+    let temperatures = [Temperature::Range(10.0), Temperature::Lambda(7.0), Temperature::Rank];
     let credits = [Credit::ToGo, Credit::Total];
     let explorations = [Exploration::Rollout, Exploration::Basis, Exploration::Step];
     temperatures.into_iter().flat_map(move |temperature| {
         credits.into_iter().flat_map(move |credit| {
-            explorations.into_iter().map(move |exploration| Pi2Options {
-                rollouts,
-                temperature,
-                credit,
-                exploration,
-                updates: 10,
-                ..Pi2Options::default()
+            explorations.into_iter().flat_map(move |exploration| {
+                [true, false].map(|is_projected| Pi2Options {
+                    rollouts,
+                    temperature,
+                    credit,
+                    exploration,
+                    is_projected,
+                    updates: 10,
+                    ..Pi2Options::default()
+                })
             })
         })
     })
@@ -70,7 +74,11 @@ fn transcribed(blocks: &[Block], weights: &[f64], batch: &Batch, costs: &[Cost],
             row[k] = match options.temperature {
                 Temperature::Range(h) => (-h * (s[k] - least) / (most - least)).exp(),
                 Temperature::Lambda(lambda) => (-s[k] / lambda).exp(),
-                other => unreachable!("{other:?} has tests of its own"),
+                Temperature::Rank => {
+                    let rank = 1 + s.iter().filter(|other| **other < s[k]).count();
+                    ((0.5 * (rollouts + 1) as f64).ln() - (rank as f64).ln()).max(0.0)
+                }
+                other @ Temperature::EffectiveSize(_) => unreachable!("{other:?} has tests of its own"),
             };
         }
         let sum: f64 = row.iter().sum();
@@ -90,7 +98,8 @@ fn transcribed(blocks: &[Block], weights: &[f64], batch: &Batch, costs: &[Cost],
                 let sample = &batch.sample(k).at(t)[start..start + n];
                 for i in 0..n {
                     for j in 0..n {
-                        let projection = g[i] * g[j] / square;
+                        let identity = f64::from(u8::from(i == j));
+                        let projection = if options.is_projected { g[i] * g[j] / square } else { identity };
                         change[i] += probability[t][k] * projection * (sample[j] - weights[start + j]);
                     }
                 }
@@ -120,7 +129,7 @@ fn an_update_is_its_formulas_for_every_option() {
             let expected = transcribed(&blocks(), &before, &batch, &costs(9), options);
             assert_eq!(learner.tell(&batch, &costs(9)), Ok(0));
             for (i, (found, expected)) in learner.weights().iter().zip(&expected).enumerate() {
-                // Relative to the size of the weights, some 10: sums of 40 x 9 products in another order.
+                // Relative to the size of the weights, some 10: sums of 43 x 9 products in another order.
                 let tolerance = 1e-12 * expected.abs().max(1.0);
                 assert!(
                     (found - expected).abs() <= tolerance,
@@ -131,7 +140,34 @@ fn an_update_is_its_formulas_for_every_option() {
             seen += 1;
         }
     }
-    assert_eq!(seen, 12 * 3);
+    assert_eq!(seen, 36 * 3);
+}
+
+#[test]
+fn threads_that_share_an_update_change_no_bit() {
+    // As many costs as threads share: the same blocks over more steps.
+    let (steps, rollouts) = (300, 70);
+    let blocks = [block("movement", 7, steps, FREE, 10.0), block("stiffness", 5, steps, (30.0, 120.0), 40.0)];
+    let wave = |k: usize, t: usize| 1.0 + (1.3 * k as f64 + 0.021 * t as f64).sin();
+    let cost = |k: usize| Cost { running: (0..steps).map(|t| wave(k, t)).collect(), terminal: 0.1, terms: vec![] };
+    let mut costs: Vec<Cost> = (0..rollouts).map(cost).collect();
+    costs[33].running[8] = f64::NAN;
+    for temperature in [Temperature::Range(10.0), Temperature::Rank, Temperature::EffectiveSize(9.0)] {
+        let options = Pi2Options { rollouts, temperature, ..Pi2Options::default() };
+        let learned = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let mut learner = Pi2::new(&blocks, steps, vec![50.0; 12], options);
+                assert_eq!(learner.tell(&learner.ask(), &costs), Ok(1));
+                learner.weights().to_vec()
+            })
+        };
+        let alone = learned(1);
+        assert!(alone.iter().all(|weight| weight.is_finite() && *weight != 50.0));
+        for threads in [2, 3, 8] {
+            assert_eq!(learned(threads), alone, "{temperature:?} on {threads} threads");
+        }
+    }
 }
 
 #[test]
@@ -351,14 +387,15 @@ fn rollouts_without_a_finite_cost_weigh_nothing_and_are_counted() {
             let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
             let batch = learner.ask();
             let mut costs = costs(9);
+            // The last one has a group of its own.
             costs[2] = bad.clone();
-            costs[7] = bad;
+            costs[8] = bad;
             assert_eq!(learner.tell(&batch, &costs), Ok(2), "{what}, {options:?}");
             assert!(learner.weights().iter().all(|w| w.is_finite()), "{what}, {options:?}");
             // With a fixed lambda, a rollout so expensive that its weight is 0 to the last bit leaves the others alone.
             if let Temperature::Lambda(_) = options.temperature {
                 let mut other = Pi2::new(&blocks(), STEPS, start(), options);
-                for k in [2, 7] {
+                for k in [2, 8] {
                     costs[k] = Cost { running: vec![0.0; STEPS], terminal: 1e6, terms: vec![] };
                 }
                 assert_eq!(other.tell(&batch, &costs), Ok(0));
@@ -386,7 +423,7 @@ fn an_update_without_any_finite_cost_is_an_error_and_changes_nothing() {
 
 #[test]
 fn equal_costs_weigh_all_rollouts_the_same() {
-    for options in every_option(6) {
+    for options in every_option(6).filter(|options| options.is_projected) {
         let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
         let batch = learner.ask();
         let flat = vec![Cost { running: vec![2.0; STEPS], terminal: 1.0, terms: vec![] }; 6];

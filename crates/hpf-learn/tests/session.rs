@@ -248,18 +248,20 @@ fn updates_made_before_the_evaluations_of_those_before_change_nothing() {
 fn motions_made_ahead_do_not_count_where_nobody_goes_on() {
     let method = methods()[0].0;
     for last in 0..7 {
-        let learned = |together| {
+        let learned = |threads, together| {
             let problem = Bent { runs_ahead: together > 0, together, ..Bent::new(false, 1) };
-            let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, |p| p.update < last).unwrap();
-            (history, problem.made())
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let learn = || learn_with(&problem, vec![0.1; 2 * COUNT], &method, None, |p| p.update < last);
+            (pool.install(learn).unwrap(), problem.made())
         };
-        let (history, made) = learned(0);
+        let (history, made) = learned(1, 0);
         assert_eq!((history.rollouts, history.stop), (made, Stop::Asked));
-        for together in [1, 3, 8] {
-            let (ahead, made_ahead) = learned(together);
+        for (threads, together) in [(1, 1), (1, 3), (1, 8), (2, 1), (3, 3)] {
+            let (ahead, made_ahead) = learned(threads, together);
             assert_eq!(ahead, history);
             // Updates are batches of five and an evaluation; a batch follows beside the evaluations.
-            assert!((made..=made + 6 * together + 5).contains(&made_ahead), "{made_ahead} rather than {made}");
+            let most = made + 6 * together * threads + 5;
+            assert!((made..=most).contains(&made_ahead), "{made_ahead} rather than {made}");
         }
     }
 }
