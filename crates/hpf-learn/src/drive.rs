@@ -134,8 +134,9 @@ const LONGEST_GATHERING: Duration = Duration::from_millis(100);
 /// Makes the motions that a session asks for on the current rayon pool: the same numbers for any number of threads.
 ///
 /// Where the problem allows it ([`Problem::may_run_ahead`]), PI2 does not wait for what its updates are found to cost:
-/// evaluations gather until every thread has as many as it likes best, and are made together, beside the batch that is
-/// sure to follow. What is handed out, and in which order, stays the same; what nobody asks for any more never counts.
+/// evaluations gather until every thread has as many as it likes best, and are made together; where they do not become
+/// as many, beside the batch that is sure to follow. What is handed out, and in which order, stays the same; what nobody
+/// asks for any more never counts.
 pub struct Driver<'p, P: Problem> {
     problem: &'p P,
     /// Told of what was handed out.
@@ -195,7 +196,7 @@ impl<'p, P: Problem> Driver<'p, P> {
     /// Goes on until evaluations are made or learning is over.
     fn run_ahead(&mut self) -> Result<(), LearnError> {
         let begun = Instant::now();
-        let enough = self.problem.together() * rayon::current_num_threads();
+        let enough = self.enough();
         let mut updates = Vec::new();
         loop {
             let Self { problem, ahead: Some(ahead), batch, made, .. } = self else { return Ok(()) };
@@ -222,12 +223,19 @@ impl<'p, P: Problem> Driver<'p, P> {
         }
     }
 
-    /// Makes the evaluations that are due beside the next batch, to be handed out each after its update.
+    /// How many evaluations keep every thread at work.
+    fn enough(&self) -> usize {
+        self.problem.together() * rayon::current_num_threads()
+    }
+
+    /// Makes the evaluations that are due, to be handed out each after its update; beside the next batch, where they alone
+    /// do not keep every thread at work.
     fn evaluate(&mut self, updates: Vec<Told>) -> Result<(), LearnError> {
+        let enough = self.enough();
         let Self { problem, ahead: Some(ahead), batch, evaluations, made, told, .. } = self else { return Ok(()) };
         let weights = weights_of(ahead);
         let mut evaluate = || evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
-        if made.is_none() && ahead.has_batch() {
+        if weights.len() < enough && made.is_none() && ahead.has_batch() {
             *made = Some(rayon::join(|| batch.make_next(*problem, ahead), evaluate).0);
         } else {
             evaluate();

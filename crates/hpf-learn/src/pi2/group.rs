@@ -38,7 +38,7 @@ pub(super) enum Stage<'a> {
     Gather,
     /// Turns them into weights.
     Weigh(Weights<'a>),
-    /// Works out its part of dw, given one over the sum of the weights in each tile.
+    /// Works out its part of dw, given the sum of all weights in each tile.
     Improve(&'a [Pack]),
 }
 
@@ -94,9 +94,9 @@ impl NullaryFnOnce for Work<'_> {
                     group.weigh(weights, index);
                 }
             }
-            Stage::Improve(inverse) => {
+            Stage::Improve(sums) => {
                 for group in &mut *groups {
-                    group.normalise(inverse);
+                    group.normalise(sums);
                 }
                 // All groups before the next block: its tables stay in the cache.
                 for block in inputs.bases.blocks() {
@@ -180,10 +180,11 @@ impl Group {
 
     /// Makes the weights of each step sum to one.
     #[inline(always)]
-    fn normalise(&mut self, inverse: &[Pack]) {
-        for (shares, inverse) in self.shares.iter_mut().zip(inverse) {
+    fn normalise(&mut self, sums: &[Pack]) {
+        for (shares, sum) in self.shares.iter_mut().zip(sums) {
+            let inverse = Pack::ONE / *sum;
             for share in shares {
-                *share = *share * *inverse;
+                *share = *share * inverse;
             }
         }
         self.change.clear();

@@ -32,8 +32,6 @@ pub(super) struct Rooms {
     scales: Vec<Scale>,
     ranks: Vec<[Pack; MEMBERS]>,
     ranking: Ranking,
-    /// One over the sum of the weights in each tile.
-    inverse: Vec<Pack>,
 }
 
 /// What an update is made from.
@@ -83,7 +81,7 @@ impl Rooms {
     /// Works out the change of the parameters from what was taken.
     pub(super) fn improve(&mut self, inputs: &Inputs<'_>) {
         let count = self.kept().count();
-        let Self { groups, scales, ranks, ranking, inverse } = self;
+        let Self { groups, scales, ranks, ranking } = self;
         let rows = inputs.rows();
         let compare = |compared: Compared<'_>| {
             inputs.instructions.dispatch(Compare { temperature: inputs.temperature, groups, compared });
@@ -112,9 +110,9 @@ impl Rooms {
             }
         };
         each(groups, inputs, Stage::Weigh(weights));
-        inverse.clear();
-        inverse.extend(groups[0].sums.iter().map(|sum| Pack::ONE / *sum));
-        each(groups, inputs, Stage::Improve(inverse));
+        let sums = core::mem::take(&mut groups[0].sums);
+        each(groups, inputs, Stage::Improve(&sums));
+        groups[0].sums = sums;
     }
 
     /// The change of each parameter.
