@@ -12,8 +12,7 @@
 //! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
 //! draws                      4 A S  for every draw: forces, readings
 //! ```
-//! The learner keeps the functions of a block, and the rollouts, in packs of 8 numbers: where there are fewer, it needs as
-//! much as for 8.
+//! The learner keeps steps, and rollouts, in packs of 8 numbers: where there are fewer, it needs as much as for 8.
 
 use super::{ExplorationKind, MAX_NUMBERS, Method, PerAxis, Preset, Task};
 
@@ -70,13 +69,13 @@ impl Task {
         let (steps, axes, rollouts) = (self.step_numbers(), self.axis.len() as f64, learning.rollouts as f64);
         let functions = [self.movement.basis, self.stiffness.basis, self.damping.basis];
         let parameters = axes * functions.iter().map(|basis| basis.count() as f64).sum::<f64>();
-        let whole_packs = |count: usize| PACK * (count as f64 / PACK).ceil();
-        let packed = axes * functions.iter().map(|basis| whole_packs(basis.count())).sum::<f64>();
-        let packed_rollouts = whole_packs(learning.rollouts);
+        // How much larger a table is when its packs are whole.
+        let packed = |count: f64| PACK * (count / PACK).ceil() / count.max(1.0);
+        let (packed_steps, packed_rollouts) = (packed(steps), packed(rollouts));
         let trajectory = SIGNALS * axes * steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
         let mut tables = vec![
-            table("rate", "parameters at every step", steps * parameters, 4.0 + 2.0 * packed / parameters),
+            table("rate", "parameters at every step", steps * parameters, 4.0 + 2.0 * packed_steps),
             table(
                 "output.snapshots",
                 "signals of every kept trajectory",
@@ -87,7 +86,7 @@ impl Task {
                 "learning.rollouts",
                 "costs of every rollout and step",
                 steps * rollouts,
-                1.0 + 2.0 * packed_rollouts / rollouts,
+                1.0 + 2.0 * packed_steps * packed_rollouts,
             ),
             table("learning.updates", "rows of learning", ROW * learning.updates as f64, 4.0),
             table("learning.draws", "what all draws meet", MET * axes * steps * self.draws() as f64, 1.0),
