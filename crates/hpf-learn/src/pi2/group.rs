@@ -1,11 +1,13 @@
 //! Some rollouts of an update of PI2: what they cost from each step on, weigh, and ask for.
 
+use core::iter;
 use core::ops::Range;
 
 use hpf_core::{Lanes, Real};
 use pulp::NullaryFnOnce;
 
 use super::update::Inputs;
+use crate::Temperature;
 use crate::weighting::{LANES, Pack, Scale, least, most};
 
 /// Rollouts of a group: their weights in the steps of a tile fit into registers.
@@ -45,7 +47,9 @@ pub(super) enum Stage<'a> {
 /// How costs become weights.
 #[derive(Clone, Copy)]
 pub(super) enum Weights<'a> {
-    /// By how far they are from the least, a scale for each tile.
+    /// By how far they are from the least, given least and most of each tile.
+    Extremes(Temperature, [&'a [Pack]; 2]),
+    /// By a scale for each tile.
     Scales(&'a [Scale]),
     /// By rank: those of all groups, one after the other.
     Ranks(&'a [[Pack; MEMBERS]]),
@@ -165,11 +169,18 @@ impl Group {
         let rows = shares.len();
         sums.clear();
         for (row, shares) in shares.iter_mut().enumerate() {
+            let scale = match weights {
+                Weights::Extremes(temperature, [least, most]) => {
+                    temperature.scale(least[row], most[row], iter::empty())
+                }
+                Weights::Scales(scales) => scales[row],
+                Weights::Ranks(_) => Scale::default(),
+            };
             let mut sum = Pack::ZERO;
             for (i, share) in shares.iter_mut().enumerate() {
                 let weight = match weights {
-                    Weights::Scales(scales) => scales[row].weigh(*share),
                     Weights::Ranks(ranks) => ranks[index * rows + row][i],
+                    _ => scale.weigh(*share),
                 };
                 *share = if is_kept[i] { weight } else { Pack::ZERO };
                 sum += *share;

@@ -21,7 +21,7 @@ use crate::{Cost, Temperature};
 
 /// Costs of steps from which on threads share an update: fewer are dearer to hand over than to work on.
 const SHARED: usize = 16_000;
-/// Tiles whose weights one thread looks for at a time, where that takes long.
+/// Tiles whose scale one thread looks for at a time, where that takes long.
 const TILES: usize = 8;
 
 /// Rooms for an update.
@@ -83,33 +83,30 @@ impl Rooms {
         let count = self.kept().count();
         let Self { groups, scales, ranks, ranking } = self;
         let rows = inputs.rows();
+        let least = core::mem::take(&mut groups[0].least);
+        let most = core::mem::take(&mut groups[0].most);
+        let (temperature, extremes) = (inputs.temperature, [&least[..], &most[..]]);
         let compare = |compared: Compared<'_>| {
-            inputs.instructions.dispatch(Compare { temperature: inputs.temperature, groups, compared });
+            inputs.instructions.dispatch(Compare { temperature, groups, extremes, compared });
         };
-        let weights = match inputs.temperature {
+        let weights = match temperature {
             Temperature::Rank => {
                 ranking.set(count);
                 ranks.resize(groups.len() * rows, [Pack::ZERO; MEMBERS]);
-                let rank = |(group, ranks): (&Group, &mut [_])| compare(Compared::Ranks { ranking, group, ranks });
-                if inputs.threads() > 1 {
-                    groups.par_iter().zip(ranks.par_chunks_mut(rows)).for_each(rank);
-                } else {
-                    groups.iter().zip(ranks.chunks_mut(rows)).for_each(rank);
-                }
+                let ranks_of = groups.par_iter().zip(ranks.par_chunks_mut(rows));
+                ranks_of.for_each(|(group, ranks)| compare(Compared::Ranks { ranking, group, ranks }));
                 Weights::Ranks(ranks)
             }
-            temperature => {
+            Temperature::EffectiveSize(_) => {
                 scales.resize(rows, Scale::default());
-                let scale = |(i, scales): (usize, &mut [_])| compare(Compared::Scales { first: i * TILES, scales });
-                if matches!(temperature, Temperature::EffectiveSize(_)) && inputs.threads() > 1 {
-                    scales.par_chunks_mut(TILES).enumerate().for_each(scale);
-                } else {
-                    scales.chunks_mut(TILES).enumerate().for_each(scale);
-                }
+                let scales_of = scales.par_chunks_mut(TILES).enumerate();
+                scales_of.for_each(|(i, scales)| compare(Compared::Scales { first: i * TILES, scales }));
                 Weights::Scales(scales)
             }
+            Temperature::Range(_) | Temperature::Lambda(_) => Weights::Extremes(temperature, extremes),
         };
         each(groups, inputs, Stage::Weigh(weights));
+        (groups[0].least, groups[0].most) = (least, most);
         let sums = core::mem::take(&mut groups[0].sums);
         each(groups, inputs, Stage::Improve(&sums));
         groups[0].sums = sums;
@@ -159,6 +156,7 @@ fn half(groups: &[Group]) -> usize {
 struct Compare<'a> {
     temperature: Temperature,
     groups: &'a [Group],
+    extremes: [&'a [Pack]; 2],
     compared: Compared<'a>,
 }
 
@@ -174,12 +172,12 @@ impl NullaryFnOnce for Compare<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { temperature, groups, compared } = self;
+        let Self { temperature, groups, extremes: [least, most], compared } = self;
         match compared {
             Compared::Scales { first, scales } => {
                 for (row, scale) in (first..).zip(scales) {
                     let costs = groups.iter().flat_map(|group| group.kept(row));
-                    *scale = temperature.scale(groups[0].least[row], groups[0].most[row], costs);
+                    *scale = temperature.scale(least[row], most[row], costs);
                 }
             }
             Compared::Ranks { ranking, group, ranks } => {
