@@ -24,6 +24,8 @@ pub enum Temperature {
 const MOST_SHARPNESS: f64 = 1e5;
 /// Halvings that leave nothing between 0 and that.
 const SHARPNESS_HALVINGS: usize = 64;
+/// Rollouts up to which counting the cheaper ones of each, eight steps at a time, is faster than sorting step by step.
+const MOST_COUNTED: usize = 256;
 
 /// The smaller of two, lane by lane; `a` where `b` is NaN.
 #[inline(always)]
@@ -119,18 +121,30 @@ impl Ranking {
         }
     }
 
-    /// The weights of `costs` among `all`; equal costs share what their ranks weigh together, NaN has none.
+    /// The weights of `all` costs; equal costs share what their ranks weigh together, NaN has none.
     #[inline(always)]
-    pub(crate) fn weigh<'a>(&self, costs: Pack, all: impl Iterator<Item = &'a Pack>) -> Pack {
-        let (mut below, mut equal) = (Pack::ZERO, Pack::ZERO);
-        for others in all {
-            below += others.zip(costs, |other, cost| if other < cost { 1.0 } else { 0.0 });
-            equal += others.zip(costs, |other, cost| if other == cost { 1.0 } else { 0.0 });
+    pub(crate) fn weigh<'a, I: Iterator<Item = &'a Pack>>(&self, all: impl Fn() -> I, weights: &mut [Pack]) {
+        let share = |below: usize, equal: usize| (self.0[below + equal] - self.0[below]) / equal as f64;
+        if weights.len() > MOST_COUNTED {
+            for lane in 0..LANES {
+                let mut sorted: Vec<f64> = all().map(|costs| costs.0[lane]).filter(|cost| !cost.is_nan()).collect();
+                sorted.sort_unstable_by(f64::total_cmp);
+                for (weight, costs) in weights.iter_mut().zip(all()) {
+                    let below = sorted.partition_point(|other| *other < costs.0[lane]);
+                    let equal = sorted[below..].partition_point(|other| *other == costs.0[lane]);
+                    weight.0[lane] = share(below, equal);
+                }
+            }
+            return;
         }
-        below.zip(equal, |below, equal| {
-            let (first, count) = (below as usize, equal as usize);
-            (self.0[first + count] - self.0[first]) / equal
-        })
+        for (weight, costs) in weights.iter_mut().zip(all()) {
+            let (mut below, mut equal) = (Pack::ZERO, Pack::ZERO);
+            for others in all() {
+                below += others.zip(*costs, |other, cost| if other < cost { 1.0 } else { 0.0 });
+                equal += others.zip(*costs, |other, cost| if other == cost { 1.0 } else { 0.0 });
+            }
+            *weight = below.zip(equal, |below, equal| share(below as usize, equal as usize));
+        }
     }
 }
 
@@ -140,7 +154,9 @@ pub(crate) fn softmax(costs: &[Pack], temperature: Temperature) -> Vec<Pack> {
     let mut weights: Vec<Pack> = if temperature == Temperature::Rank {
         let mut ranking = Ranking::default();
         ranking.set(costs.len());
-        all().map(|pack| ranking.weigh(pack, costs.iter())).collect()
+        let mut weights = costs.to_vec();
+        ranking.weigh(|| costs.iter(), &mut weights);
+        weights
     } else {
         let low = all().fold(Pack::of(f64::INFINITY), least);
         let high = all().fold(Pack::of(f64::NEG_INFINITY), most);

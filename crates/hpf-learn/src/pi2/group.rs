@@ -51,8 +51,8 @@ pub(super) enum Weights<'a> {
     Extremes(Temperature, [&'a [Pack]; 2]),
     /// By a scale for each tile.
     Scales(&'a [Scale]),
-    /// By rank: those of all groups, one after the other.
-    Ranks(&'a [[Pack; MEMBERS]]),
+    /// By rank: for each tile those of all groups.
+    Ranks(&'a [[Pack; MEMBERS]], usize),
 }
 
 impl Stage<'_> {
@@ -117,6 +117,7 @@ impl NullaryFnOnce for Work<'_> {
 // in their order, or unrolled. Left to itself, the compiler gathers a lane of eight packs into a vector.
 impl Group {
     /// The costs of tile `row` of those that take part.
+    #[inline(always)]
     pub(super) fn kept(&self, row: usize) -> impl Iterator<Item = Pack> + Clone {
         let members = self.is_kept.iter().zip(&self.shares[row]);
         members.filter(|(is_kept, _)| **is_kept).map(|(_, share)| *share)
@@ -134,21 +135,22 @@ impl Group {
             let (whole, rest) = cost.running[..inputs.steps].as_chunks::<LANES>();
             let mut last = [0.0; LANES];
             last[..rest.len()].copy_from_slice(rest);
-            let mut to_go = cost.terminal;
+            // A cost to go that cannot be told may lie behind others that can.
+            let (mut to_go, mut is_sound) = (cost.terminal, cost.terminal.is_finite());
             for tile in (0..inputs.steps.div_ceil(LANES)).rev() {
                 let mut sums = *whole.get(tile).unwrap_or(&last);
                 for lane in (1..LANES).rev() {
                     sums[lane - 1] += sums[lane];
                 }
                 let sums = Lanes(sums) + Pack::of(to_go);
+                is_sound &= sums.is_finite();
                 to_go = sums.0[0];
                 if let Some(shares) = shares.get_mut(tile) {
                     shares[i] = sums;
                 }
             }
-            // A sum that has become infinite or NaN stays so: the last one tells of all.
-            is_kept[i] = to_go.is_finite();
-            if !is_kept[i] {
+            is_kept[i] = is_sound;
+            if !is_sound {
                 shares.iter_mut().for_each(|shares| shares[i] = nothing);
             } else if inputs.is_total() {
                 shares[0][i] = Pack::of(to_go);
@@ -166,7 +168,6 @@ impl Group {
     #[inline(always)]
     fn weigh(&mut self, weights: Weights<'_>, index: usize) {
         let Self { is_kept, shares, sums, .. } = self;
-        let rows = shares.len();
         sums.clear();
         for (row, shares) in shares.iter_mut().enumerate() {
             let scale = match weights {
@@ -174,14 +175,14 @@ impl Group {
                     temperature.scale(least[row], most[row], iter::empty())
                 }
                 Weights::Scales(scales) => scales[row],
-                Weights::Ranks(_) => Scale::default(),
+                Weights::Ranks(ranks, groups) => {
+                    *shares = ranks[row * groups + index];
+                    Scale::default()
+                }
             };
             let mut sum = Pack::ZERO;
             for (i, share) in shares.iter_mut().enumerate() {
-                let weight = match weights {
-                    Weights::Ranks(ranks) => ranks[index * rows + row][i],
-                    _ => scale.weigh(*share),
-                };
+                let weight = if let Weights::Ranks(..) = weights { *share } else { scale.weigh(*share) };
                 *share = if is_kept[i] { weight } else { Pack::ZERO };
                 sum += *share;
             }

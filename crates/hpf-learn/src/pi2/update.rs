@@ -5,9 +5,9 @@
 //! ```text
 //! projected:  along_t = phi_t . (P E)_t,  [dw]_j = sum_t a_{t,j} phi_{t,j} along_t      else  [dw]_j = sum_t a_{t,j} (P E)_{t,j}
 //! ```
-//! What belongs to a rollout stays with the thread that works on it. Groups tell each other little: the least and most S
-//! of each step, then the sum of its weights, then their parts of dw. They are joined two halves at a time, always the
-//! same halves: the same bits for any number of threads.
+//! What belongs to a rollout mostly stays with the thread that works on it. Groups tell each other little: the least and
+//! most S of each step, then the sum of its weights, then their parts of dw; ranks and effective sizes alone need all S.
+//! Groups are joined two halves at a time, always the same halves: the same bits for any number of threads.
 
 use hpf_core::Real;
 use pulp::NullaryFnOnce;
@@ -21,14 +21,14 @@ use crate::{Cost, Temperature};
 
 /// Costs of steps from which on threads share an update: fewer are dearer to hand over than to work on.
 const SHARED: usize = 16_000;
-/// Tiles whose scale one thread looks for at a time, where that takes long.
+/// Tiles in which one thread compares rollouts of all groups at a time, where that takes long.
 const TILES: usize = 8;
 
 /// Rooms for an update.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rooms {
     groups: Vec<Group>,
-    /// How costs weigh: in each tile by their scale, or by rank in each tile of each group.
+    /// How costs weigh: by the scale of each tile, or by rank in each tile of each group.
     scales: Vec<Scale>,
     ranks: Vec<[Pack; MEMBERS]>,
     ranking: Ranking,
@@ -86,21 +86,22 @@ impl Rooms {
         let least = core::mem::take(&mut groups[0].least);
         let most = core::mem::take(&mut groups[0].most);
         let (temperature, extremes) = (inputs.temperature, [&least[..], &most[..]]);
-        let compare = |compared: Compared<'_>| {
-            inputs.instructions.dispatch(Compare { temperature, groups, extremes, compared });
+        let compare = |first: usize, compared: Compared<'_>| {
+            inputs.instructions.dispatch(Compare { temperature, groups, extremes, first, compared });
         };
+        let tiles = if inputs.threads() > 1 { TILES } else { rows };
         let weights = match temperature {
             Temperature::Rank => {
                 ranking.set(count);
                 ranks.resize(groups.len() * rows, [Pack::ZERO; MEMBERS]);
-                let ranks_of = groups.par_iter().zip(ranks.par_chunks_mut(rows));
-                ranks_of.for_each(|(group, ranks)| compare(Compared::Ranks { ranking, group, ranks }));
-                Weights::Ranks(ranks)
+                let parts = ranks.par_chunks_mut(tiles * groups.len()).enumerate();
+                parts.for_each(|(i, ranks)| compare(i * tiles, Compared::Ranks(ranking, ranks)));
+                Weights::Ranks(ranks, groups.len())
             }
             Temperature::EffectiveSize(_) => {
                 scales.resize(rows, Scale::default());
-                let scales_of = scales.par_chunks_mut(TILES).enumerate();
-                scales_of.for_each(|(i, scales)| compare(Compared::Scales { first: i * TILES, scales }));
+                let parts = scales.par_chunks_mut(tiles).enumerate();
+                parts.for_each(|(i, scales)| compare(i * tiles, Compared::Scales(scales)));
                 Weights::Scales(scales)
             }
             Temperature::Range(_) | Temperature::Lambda(_) => Weights::Extremes(temperature, extremes),
@@ -157,14 +158,14 @@ struct Compare<'a> {
     temperature: Temperature,
     groups: &'a [Group],
     extremes: [&'a [Pack]; 2],
+    /// The first of the tiles.
+    first: usize,
     compared: Compared<'a>,
 }
 
 enum Compared<'a> {
-    /// Some tiles.
-    Scales { first: usize, scales: &'a mut [Scale] },
-    /// All tiles of a group.
-    Ranks { ranking: &'a Ranking, group: &'a Group, ranks: &'a mut [[Pack; MEMBERS]] },
+    Scales(&'a mut [Scale]),
+    Ranks(&'a Ranking, &'a mut [[Pack; MEMBERS]]),
 }
 
 impl NullaryFnOnce for Compare<'_> {
@@ -172,19 +173,17 @@ impl NullaryFnOnce for Compare<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { temperature, groups, extremes: [least, most], compared } = self;
+        let Self { temperature, groups, extremes: [least, most], first, compared } = self;
         match compared {
-            Compared::Scales { first, scales } => {
+            Compared::Scales(scales) => {
                 for (row, scale) in (first..).zip(scales) {
                     let costs = groups.iter().flat_map(|group| group.kept(row));
                     *scale = temperature.scale(least[row], most[row], costs);
                 }
             }
-            Compared::Ranks { ranking, group, ranks } => {
-                for (row, (ranks, shares)) in ranks.iter_mut().zip(&group.shares).enumerate() {
-                    for (rank, costs) in ranks.iter_mut().zip(shares) {
-                        *rank = ranking.weigh(*costs, groups.iter().flat_map(|group| &group.shares[row]));
-                    }
+            Compared::Ranks(ranking, ranks) => {
+                for (row, ranks) in (first..).zip(ranks.chunks_exact_mut(groups.len())) {
+                    ranking.weigh(|| groups.iter().flat_map(move |group| &group.shares[row]), ranks.as_flattened_mut());
                 }
             }
         }

@@ -4,13 +4,14 @@
 //! ```text
 //! parameters at every step   S P    features and activations of each block: of the simulation, of the learner
 //! kept trajectories          7 A S (1 + snapshots)
-//! costs of every step        S K    and the weights made of them
+//! costs of every step        S K    and the weights made of them: ranks, shares, and a few of each group
 //! rows of learning           12 updates
 //! samples                    K P, or K S P where they change from step to step
 //! parameters against signals P G    of Gauss-Newton: rollouts kept, the response
 //! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
 //! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
 //! draws                      4 A S  for every draw: forces, readings
+//! evaluations                8 S    for each thread: costs of those made at a time
 //! ```
 //! The learner keeps steps, and rollouts, in packs of 8 numbers: where there are fewer, it needs as much as for 8.
 
@@ -55,7 +56,8 @@ impl Task {
         let trajectory = SIGNALS * self.axis.len() as f64 * self.step_numbers();
         let met = MET * self.axis.len() as f64 * self.step_numbers() * self.draws() as f64;
         let working = (WORKING + PER_THREAD * threads as f64) * trajectory + threads as f64 * met;
-        PROGRAM + size_of::<f64>() as f64 * (tables + working)
+        let evaluations = PACK * threads as f64 * self.step_numbers();
+        PROGRAM + size_of::<f64>() as f64 * (tables + working + evaluations)
     }
 
     /// Steps as a number that cannot overflow.
@@ -86,7 +88,7 @@ impl Task {
                 "learning.rollouts",
                 "costs of every rollout and step",
                 steps * rollouts,
-                1.0 + 2.0 * packed_steps * packed_rollouts,
+                1.0 + 2.5 * packed_steps * packed_rollouts,
             ),
             table("learning.updates", "rows of learning", ROW * learning.updates as f64, 4.0),
             table("learning.draws", "what all draws meet", MET * axes * steps * self.draws() as f64, 1.0),
