@@ -332,8 +332,8 @@ impl Session {
             }
             _ => unreachable!("only PI2 has a batch"),
         };
-        let is_any_finite = || costs.iter().any(|cost| cost.total().is_finite());
-        let (told, elites) = if self.most_elites > 0 && is_any_finite() {
+        let keeps_elites = self.most_elites > 0 && costs.iter().any(|cost| cost.total().is_finite());
+        let (told, elites) = if keeps_elites {
             let (joined, costs) = join(&self.elites, &batch, costs);
             (learner.tell(&joined, &costs), choose(self.most_elites, &joined, &costs))
         } else {
