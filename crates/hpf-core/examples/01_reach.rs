@@ -14,7 +14,7 @@ fn main() -> Result<(), ConfigError> {
     for i in 0..100_u32 {
         let middle = phase.at((f64::from(i) + 0.5) * dt); // forcing at mid-step: second order
         let [mixed] = basis.mix(middle, [movement.weights()]);
-        transition.apply(&mut state, movement.goal(), movement.forcing(middle, mixed));
+        transition.apply(&mut state, movement.goal(), movement.forcing(phase.drive(middle), mixed));
         if (i + 1) % 10 == 0 {
             let bar = "#".repeat((100.0 * state.position).max(0.0) as usize);
             let velocity = state.scaled_velocity / phase.duration();

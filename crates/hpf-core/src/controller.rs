@@ -147,7 +147,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let reference = Reference::at_rest(T::ZERO, T::ZERO);
         let mut controller = Self {
             settings,
-            end_phase: skill.phase().at(skill.phase().duration()),
+            end_phase: skill.phase().end(),
             axes: laws.map(|law| AxisState { reference, offset: still, law, step: Transition::NONE }),
             force: ForceState::default(),
             good_force: [T::ZERO; D],

@@ -173,8 +173,9 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             }
         };
         let mut profiles = [Profile { forcing: T::ZERO, stiffness: T::ZERO, damping: T::ZERO }; D];
+        let drive = self.phase.drive(s);
         for ((profile, axis), &[movement, stiffness, damping]) in profiles.iter_mut().zip(&self.axes).zip(&mixed) {
-            *profile = Profile { forcing: axis.movement.forcing(s, movement), stiffness, damping };
+            *profile = Profile { forcing: axis.movement.forcing(drive, movement), stiffness, damping };
         }
         profiles
     }

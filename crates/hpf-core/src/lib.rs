@@ -26,7 +26,7 @@ pub mod limits;
 pub mod movement;
 pub mod packed;
 pub mod passivity;
-mod phase;
+pub mod phase;
 mod real;
 
 pub use basis::Basis;

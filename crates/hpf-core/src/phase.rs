@@ -10,10 +10,19 @@
 //! | alpha_s | `decay` | 1 |
 //! | r | `rate`, 1 = nominal, 0 = paused | 1 |
 //!
-//! Slowing the rate slows time along the path and leaves the path unchanged. Past `s(tau)` the phase goes on
-//! decaying: the end of a movement is a status, not an event in the equations.
+//! Slowing the rate slows time along the path and leaves the path unchanged. Past `s(tau)` the phase goes on decaying.
+//!
+//! The forcing term of a movement is driven by `s gate(s)`. The gate is 1 up to `s_T = s(tau)`, falls smoothly, and is
+//! exactly 0 from `s_f = s(tau + FADE tau)` on:
+//! ```text
+//! gate(s) = u^2 (3 - 2 u),   u = (s - s_f)/(s_T - s_f), limited to [0, 1]
+//! ```
+//! Up to its duration a movement is the paper's; after it the reference settles at the goal by its own spring.
 
 use crate::{ConfigError, Real, error};
+
+/// Time over which the forcing term fades to exactly zero after the duration, as a share of the duration.
+pub const FADE: f64 = 0.1;
 
 /// Parameters of the phase.
 ///
@@ -28,6 +37,10 @@ use crate::{ConfigError, Real, error};
 pub struct Phase<T> {
     duration: T,
     decay: T,
+    /// Phase at the duration.
+    end: T,
+    /// Phase from which on the forcing term is zero.
+    faded: T,
 }
 
 impl<T: Real> Phase<T> {
@@ -36,7 +49,10 @@ impl<T: Real> Phase<T> {
     /// # Errors
     /// [`ConfigError`] unless both are finite and positive.
     pub fn new(duration: T, decay: T) -> Result<Self, ConfigError> {
-        Ok(Self { duration: error::positive("duration", duration)?, decay: error::positive("decay", decay)? })
+        error::positive("duration", duration)?;
+        error::positive("decay", decay)?;
+        let faded = decay * T::of(1.0 + FADE);
+        Ok(Self { duration, decay, end: (-decay).exp(), faded: (-faded).exp() })
     }
 
     /// Duration of the movement at the nominal rate [s].
@@ -47,6 +63,30 @@ impl<T: Real> Phase<T> {
     /// Decay alpha_s over the duration; `s(duration) = exp(-decay)`.
     pub fn decay(&self) -> T {
         self.decay
+    }
+
+    /// What drives the forcing term at phase `s`: s up to the duration, then s times a gate that reaches exactly zero
+    /// [`FADE`] durations later.
+    ///
+    /// ```
+    /// use hpf_core::{Phase, phase::FADE};
+    /// let phase = Phase::new(2.0_f64, 100.0_f64.ln())?;
+    /// assert_eq!(phase.drive(0.5), 0.5);
+    /// assert_eq!(phase.drive(phase.at(2.0 * (1.0 + FADE))), 0.0);
+    /// # Ok::<(), hpf_core::ConfigError>(())
+    /// ```
+    #[inline]
+    pub fn drive(&self, s: T) -> T {
+        let gate = || {
+            let left = ((s - self.faded) / (self.end - self.faded)).at_least(T::ZERO).at_most(T::ONE);
+            s * (left * left * (T::of(3.0) - (left + left)))
+        };
+        s.choose_below(self.end, gate, || s)
+    }
+
+    /// The phase at the duration, `exp(-decay)`.
+    pub fn end(&self) -> T {
+        self.end
     }
 
     /// The phase `dt` [s] later, time running at `rate`.

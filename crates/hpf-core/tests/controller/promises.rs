@@ -103,7 +103,7 @@ fn off_path(nominal: &[[f64; 2]], other: &[[f64; 2]]) -> f64 {
 
 #[test]
 fn pausing_slowing_and_resuming_stay_on_the_path() {
-    let nominal = path(&mut Arm::started(FAMILY, settings(), 2.0), 2.5, |_| None);
+    let nominal = path(&mut Arm::started(FAMILY, settings(), 2.0), 4.0, |_| None);
     let mut rig = Arm::started(FAMILY, settings(), 2.0);
     let paused = path(&mut rig, 4.0, |i| match i {
         600 => Some(Request::Hold),
@@ -121,7 +121,7 @@ fn pausing_slowing_and_resuming_stay_on_the_path() {
 
 #[test]
 fn a_path_too_fast_for_the_velocity_limit_is_walked_slower_not_cut() {
-    let nominal = path(&mut Arm::started(FAMILY, settings(), 2.0), 2.5, |_| None);
+    let nominal = path(&mut Arm::started(FAMILY, settings(), 2.0), 20.0, |_| None);
     let mut slow = settings();
     slow.axes[0].limits.velocity = 0.05;
     let mut rig = Arm::started(FAMILY, slow, 2.0);
