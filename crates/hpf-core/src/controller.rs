@@ -12,10 +12,13 @@
 //!    winds up. An offset at its limit drags the reference along;
 //! 7. the books of energy, on what really was commanded.
 //!
-//! The tank keeps `sum f dx >= -(E_t0 - E_min)` from rest, for every force and stiffness, while no limit of motion is
-//! hit. A limit of acceleration is an inertia that the law does not have, and may make the tool give more; the books
-//! show it (the energy goes below the reserve, even below nought), and until it is paid back stiffness does not rise
-//! and the path takes no energy. A rigid axis has no force in the books. A tank that is added later starts empty.
+//! The tank keeps `sum f dx >= -(E_t0 - E_min)` from rest, for every force and stiffness, by either law, compliant or
+//! pressing, while no limit of motion cuts. What is left of it is spent ever slower, never switched off: the path takes
+//! at most the share dt/ramp of it in a step, a set-point acts in proportion to the last quarter. A limit of motion
+//! comes first: a limit of acceleration is an inertia that the law does not have, and may make the tool give more. The
+//! books show it, so that `sum f dx >= -(E_t0 - E_t)` holds in any case; E_t goes below the reserve, even below zero,
+//! and until it is back stiffness does not rise and neither the path nor a set-point takes energy. A rigid axis has no
+//! force in the books. A tank that is added later starts empty. Mass given to a moving offset is paid for, or refused.
 //!
 //! Where a limit cuts a first-order axis of every compliance, its offset comes back by `d e' + k e = 0`.
 
@@ -98,6 +101,8 @@ struct Pace<T> {
     dt: T,
     /// The share of a change of force that the filter lets through in one step.
     settled: T,
+    /// The share of what the tank can spend that the path may take in one step.
+    spends: T,
     /// The rate that the rest is for; none that can be where the step's length is new.
     rate: T,
     /// By what the phase falls in half a step.
@@ -154,7 +159,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             lost_for: T::of(LARGEST),
             ended: false,
             counters: Counters::default(),
-            pace: Pace { dt: T::ZERO, settled: T::ZERO, rate: T::ZERO, fall: T::ONE },
+            pace: Pace { dt: T::ZERO, settled: T::ZERO, spends: T::ZERO, rate: T::ZERO, fall: T::ONE },
             last: Output {
                 axes: [rest; D],
                 phase: T::ONE,
@@ -193,8 +198,9 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Replaces all settings between two steps. The command goes on from where it is, at the velocity it has.
     ///
     /// # Errors
-    /// [`ConfigError`] for settings that make no sense, or that the present command, offset or goal would break; they
-    /// are refused whole, the old ones stay, and the refusal is counted.
+    /// [`ConfigError`] for settings that make no sense, that the present command, offset or goal would break, or whose
+    /// mass takes more energy at the present velocity of the offset than the tank can spend; they are refused whole, the
+    /// old ones stay, and the refusal is counted.
     pub fn set(&mut self, settings: Settings<T, D>) -> Result<(), ConfigError> {
         let accepted = settings.laws(self.skill.axes()).and_then(|laws| {
             for ((axis, state), command) in settings.axes.iter().zip(&self.axes).zip(&self.last.axes) {
@@ -203,21 +209,26 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 error::within("offset", state.offset.offset, -largest, largest)?;
             }
             self.check_goals(&settings)?;
-            Ok(laws)
+            // Mass that a moving offset is given costs energy, as stiffness does at an offset.
+            let mut cost = T::ZERO;
+            for (state, new) in self.axes.iter().zip(&laws) {
+                let [old, new] = [&state.law, new].map(|law| law.as_ref().map_or(T::ZERO, Inertial::mass));
+                cost += kinetic_energy(new - old, state.offset.velocity);
+            }
+            let Some(tank) = settings.tank else { return Ok((laws, T::ZERO)) };
+            let mut energy = self.last.energy.at_most(tank.capacity());
+            if cost > T::ZERO {
+                error::within("energy of the new mass", cost, 0.0, tank.available(energy).to_f64())?;
+            }
+            tank.book(&mut energy, -cost);
+            Ok((laws, energy))
         });
         match accepted {
-            Ok(laws) => {
-                // Mass that a moving offset is given costs energy, as stiffness does at an offset.
-                let mut balance = T::ZERO;
-                for (state, new) in self.axes.iter_mut().zip(laws) {
-                    let [old, new] =
-                        [core::mem::replace(&mut state.law, new), new].map(|law| law.map_or(T::ZERO, |law| law.mass()));
-                    balance += kinetic_energy(old - new, state.offset.velocity);
+            Ok((laws, energy)) => {
+                for (state, law) in self.axes.iter_mut().zip(laws) {
+                    state.law = law;
                 }
-                self.last.energy = settings.tank.map_or(T::ZERO, |tank| {
-                    tank.book(&mut self.last.energy, balance);
-                    self.last.energy
-                });
+                self.last.energy = energy;
                 self.settings = settings;
                 self.pace.dt = T::ZERO;
                 Ok(())

@@ -6,7 +6,7 @@ use super::{Compliance, Controller, Event, Input, Law, Mode, Settings};
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
 use crate::controller::AxisOutput;
 use crate::limits::{Hits, LARGEST, brake, cut};
-use crate::passivity::{kinetic_energy, spring_energy};
+use crate::passivity::{EnergyTank, kinetic_energy, spring_energy};
 use crate::{AxisPrimitives, Real, Transition};
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
@@ -49,6 +49,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         if self.pace.dt != dt {
             (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
+            self.pace.spends = (dt / timing.ramp).at_most(T::ONE);
         }
         conditioning.settle(&mut self.force, compensated, self.pace.settled)
     }
@@ -161,11 +162,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             }
             cost = cost - force * distance;
         }
-        if let Some(available) = tank.map(|tank| tank.available(self.last.energy))
-            && cost > available
-        {
-            share = lesser(share, available, cost);
-            short = true;
+        // What is left goes down no faster than it would by the ramp: a path that has to slow down has the time to.
+        let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.last.energy));
+        if tank.is_some() {
+            if cost > left * self.pace.spends {
+                share = lesser(share, left * self.pace.spends, cost);
+                short = true;
+            }
+            left = left - (share * cost).at_least(T::ZERO);
         }
         self.last.phase += share * (middle * fall - self.last.phase);
         self.last.rate = rate * share;
@@ -174,14 +178,6 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let parts = self.axes.iter_mut().zip(&mut self.last.axes).zip(&next).zip(&self.settings.axes);
         for (((state, command), next), settings) in parts {
             let AxisOutput { force, stiffness, damping, .. } = *command;
-            let mut drive = force;
-            if let Compliance::Press(setpoint) = settings.compliance {
-                if tank.is_none_or(|tank| tank.available(self.last.energy) > T::ZERO) {
-                    drive += setpoint;
-                } else {
-                    short = true;
-                }
-            }
             let law = state.law;
             let stored = |at: OffsetMotion<T>| {
                 let spring = spring_energy(stiffness, at.offset);
@@ -191,21 +187,21 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             state.reference.go(next, share);
 
             let before = state.offset;
-            let wanted = match law {
-                _ if !gives => {
-                    state.offset.velocity = T::ZERO;
-                    T::ZERO
-                }
-                Some(law) => {
-                    state.offset = step_inertial(law, before, [stiffness, damping, drive, dt]);
-                    (state.offset.offset - before.offset) / dt
-                }
-                None => {
-                    state.offset.offset = step_offset(before.offset, stiffness, damping, drive, dt);
-                    state.offset.velocity = (state.offset.offset - before.offset) / dt;
-                    state.offset.velocity
-                }
-            };
+            let mut wanted = T::ZERO;
+            if gives {
+                let gains = [stiffness, damping, force, dt];
+                state.offset = match settings.compliance {
+                    Compliance::Press(setpoint) => {
+                        let (pressed, throttled) = press(law, before, gains, setpoint, tank, &mut left);
+                        short |= throttled;
+                        pressed
+                    }
+                    _ => give_way(law, before, gains),
+                };
+                wanted = (state.offset.offset - before.offset) / dt;
+            } else {
+                state.offset.velocity = T::ZERO;
+            }
             let limits = &settings.limits;
             let room = [limits.offset + before.offset, limits.offset - before.offset];
             let (giving, held) = brake(wanted, room, limits.acceleration, dt);
@@ -237,6 +233,49 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 #[inline(never)]
 fn lesser<T: Real>(share: T, part: T, whole: T) -> T {
     share.at_most(part / whole)
+}
+
+/// How an offset gives way to a force held over a step; `gains` are stiffness, damping, force and dt.
+#[inline]
+fn give_way<T: Real>(law: Option<Inertial<T>>, before: OffsetMotion<T>, gains: [T; 4]) -> OffsetMotion<T> {
+    if let Some(law) = law {
+        return step_inertial(law, before, gains);
+    }
+    let [stiffness, damping, force, dt] = gains;
+    let offset = step_offset(before.offset, stiffness, damping, force, dt);
+    OffsetMotion { offset, velocity: (offset - before.offset) / dt }
+}
+
+/// [`give_way`] to a force and a set-point p, of which the part q = c p acts that the tank can pay for; also whether
+/// that is less than all. Takes what q costs at most, `q (e+ - e)`, out of what is `left` [J].
+///
+/// The step is affine in q, so the cost is convex in c, and nought at nought: the part c `left`/cost of a c that costs
+/// too much costs `left` at most.
+#[inline(never)]
+fn press<T: Real + PartialOrd>(
+    law: Option<Inertial<T>>,
+    before: OffsetMotion<T>,
+    gains: [T; 4],
+    setpoint: T,
+    tank: Option<&EnergyTank<T>>,
+    left: &mut T,
+) -> (OffsetMotion<T>, bool) {
+    let [stiffness, damping, force, dt] = gains;
+    let pressed = |part: T| {
+        let after = give_way(law, before, [stiffness, damping, force + part * setpoint, dt]);
+        (after, part * setpoint * (after.offset - before.offset))
+    };
+    let Some(tank) = tank else { return (pressed(T::ONE).0, false) };
+    // From rest, a step takes nothing but the set-point to a velocity of p/(d + m/h) at most.
+    let resistance = damping + law.map_or(T::ZERO, |law| law.mass() / dt);
+    let mut part = tank.valve(*left, setpoint * setpoint * dt / resistance);
+    let (mut after, mut cost) = pressed(part);
+    if cost > *left {
+        part = part * (*left / cost);
+        (after, cost) = pressed(part);
+    }
+    *left = (*left - cost.at_least(T::ZERO)).at_least(T::ZERO);
+    (after, part < T::ONE)
 }
 
 /// A step of a tool with inertia; in a function of its own, because its length would slow those without.

@@ -4,6 +4,7 @@
 //! stiffness asked for above the last:  k' = min(k_des, k + 2 min(E_t - E_min, P h)/e^2),  E_t -= (k' - k) e^2/2
 //! below it:                            k' = k_des,                                        E_t += eta (k - k') e^2/2
 //! after the admittance step:           E_t += eta D,  or  E_t += D  where D < 0
+//! force set-point p:                  c p acts,  c = min(1, (E_t - E_min)/max((E_t0 - E_min)/4, 8 p^2 h/(d + m/h)))
 //! ```
 //! E_t never rises above its capacity. For every force and every k_des: `sum W >= -(E_t0 - E_min + S_0)`.
 //!
@@ -13,10 +14,17 @@
 //! | E_min | `reserve` that switching leaves alone | J |
 //! | eta | `refill`: share of dissipated energy that comes back | 1 |
 //! | P | `power`: the most that switching may put into one axis | W |
+//! | c | [`valve`](EnergyTank::valve) | 1 |
 //!
 //! Source: the tank of Ferraguti, Secchi, Fantuzzi, ICRA 2013, doi 10.1109/ICRA.2013.6630830, with exact books.
 
 use crate::{ConfigError, Real, error};
+
+/// The part of what a full tank can spend below which a force set-point is throttled.
+const VALVE: f64 = 0.25;
+
+/// The steps that a throttled set-point has to be let go in, at least.
+const VALVE_STEPS: f64 = 8.0;
 
 /// Parameters of an energy tank; its state is one number, the energy in it.
 ///
@@ -62,6 +70,24 @@ impl<T: Real> EnergyTank<T> {
     #[inline]
     pub fn available(&self, energy: T) -> T {
         (energy - self.reserve).at_least(T::ZERO)
+    }
+
+    /// The part of a force set-point that may act while `left` [J] can be spent: all of it above a quarter of what the
+    /// full tank can spend, and eight times what it spends in one `step` [J] without resistance; below that in
+    /// proportion.
+    ///
+    /// ```
+    /// use hpf_core::passivity::EnergyTank;
+    /// let tank = EnergyTank::new(0.5_f64, 0.1, 0.9, 1e3)?; // 0.4 J can be spent
+    /// assert_eq!([0.4, 0.1, 0.05, 0.0].map(|left| tank.valve(left, 0.01)), [1.0, 1.0, 0.5, 0.0]);
+    /// assert_eq!(tank.valve(0.4, 0.1), 0.5);
+    /// # Ok::<(), hpf_core::ConfigError>(())
+    /// ```
+    #[inline]
+    pub fn valve(&self, left: T, step: T) -> T {
+        let open = (T::of(VALVE) * (self.capacity - self.reserve)).at_least(T::of(VALVE_STEPS) * step);
+        // A tank that can spend nothing is shut; a set-point of nought costs nothing.
+        left.select_below(open, left / open, T::ONE)
     }
 
     /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].

@@ -1,0 +1,304 @@
+//! What a controller with a tank may give: `sum f dx >= -(capacity - reserve)` from rest, by this test's own sums.
+
+mod support;
+
+use hpf_core::controller::{Compliance, Controller, Damping, Law, Output, Request, Settings};
+use hpf_core::limits::Limits;
+use hpf_core::passivity::EnergyTank;
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase};
+use support::{Family, N, input, skill};
+
+/// Limits that nothing here reaches.
+const WIDE: Limits<f64> =
+    Limits { force: 100.0, offset: 5.0, velocity: 100.0, acceleration: 1e6, position: [-20.0, 20.0] };
+
+const LAWS: [Law<f64>; 3] = [
+    Law::FirstOrder,
+    Law::SecondOrder { mass: 2.0, damping: Damping::Primitive },
+    Law::SecondOrder { mass: 0.3, damping: Damping::Ratio { ratio: 0.3, floor: 1.0 } },
+];
+
+const COMPLIANCES: [Compliance<f64>; 4] =
+    [Compliance::Compliant, Compliance::Press(20.0), Compliance::Press(40.0), Compliance::Press(-40.0)];
+
+const STEPS: [f64; 3] = [1e-3, 2e-3, 1e-2];
+
+fn settings<const D: usize>(law: Law<f64>, compliance: Compliance<f64>, tank: EnergyTank<f64>) -> Settings<f64, D> {
+    let mut settings = Settings::compliant([WIDE; D]);
+    for axis in &mut settings.axes {
+        (axis.law, axis.compliance, axis.trip_force) = (law, compliance, 1e6);
+    }
+    settings.tank = Some(tank);
+    settings
+}
+
+fn tank(capacity: f64, reserve: f64, refill: f64) -> EnergyTank<f64> {
+    EnergyTank::new(capacity, reserve, refill, 1e3).unwrap()
+}
+
+/// A controller that has just started, and the sum of `f dx` over all axes since then.
+struct Books<const D: usize> {
+    controller: Controller<f64, [f64; N], D>,
+    dt: f64,
+    work: f64,
+    least: f64,
+    hits: usize,
+}
+
+impl<const D: usize> Books<D> {
+    fn new(skill: HybridPrimitive<f64, [f64; N], D>, settings: Settings<f64, D>, dt: f64) -> Self {
+        let mut controller = Controller::new(skill, settings, [0.0; D]).unwrap();
+        let mut first = input([0.0; D]);
+        first.request = Some(Request::Start);
+        controller.update(&first, dt);
+        Self { controller, dt, work: 0.0, least: 0.0, hits: 0 }
+    }
+
+    fn step(&mut self, force: [f64; D]) -> Output<f64, D> {
+        let before = *self.controller.output();
+        let output = self.controller.update(&input(force), self.dt);
+        for (axis, before) in output.axes.iter().zip(&before.axes) {
+            self.work += axis.force * (axis.position - before.position);
+            self.hits += usize::from(axis.hits.any_motion());
+        }
+        self.least = self.least.min(self.work);
+        output
+    }
+}
+
+/// A number in [0, 1) that looks like chance.
+fn chance(i: usize) -> f64 {
+    let mut z = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// The force [N] at a step, from the set-point [N] and from what the environment sees of the controller.
+type Taker = fn(usize, f64, &Output<f64, 1>) -> f64;
+
+/// Environments that take what they can get.
+const TAKERS: [Taker; 6] = [
+    // Leans against the set-point while there is energy, then lets go.
+    |_, press, last| if last.energy > 0.0 { -0.8 * press } else { 0.0 },
+    // The same, but lets itself be pressed harder and harder.
+    |i, press, last| if last.energy > 0.0 { -press * (0.5 + 0.5 * chance(i)) } else { press },
+    // Always against the motion.
+    |_, _, last| -20.0 * last.axes[0].velocity.signum(),
+    // Lets the soft tool be pulled out, and takes back what the stiff one gives.
+    |i, _, last| if i % 700 < 350 { 8.0 } else { 0.9 * last.axes[0].stiffness * last.axes[0].offset },
+    // A surface that swings.
+    |i, press, last| {
+        let surface = 0.05 * press.signum() * (1.0 + (i as f64 * 0.02).sin());
+        let depth = (last.axes[0].position - surface) * press.signum();
+        -500.0 * depth.max(0.0) * press.signum()
+    },
+    // Anything.
+    |i, _, _| 60.0 * (chance(i / 7) - 0.5),
+];
+
+#[test]
+fn the_environment_never_gets_more_than_the_tank_can_spend() {
+    for law in LAWS {
+        for compliance in COMPLIANCES {
+            for (capacity, reserve, refill) in [(0.01, 0.0, 1.0), (0.1, 0.02, 0.5), (0.1, 0.0, 1.0), (0.5, 0.1, 0.9)] {
+                for dt in STEPS {
+                    for (taker, force) in TAKERS.iter().enumerate() {
+                        let tank = tank(capacity, reserve, refill);
+                        let mut books = Books::new(skill(Family::Time, 1.5), settings(law, compliance, tank), dt);
+                        let press = if let Compliance::Press(press) = compliance { press } else { 20.0 };
+                        for i in 0..3000 {
+                            let last = *books.controller.output();
+                            let output = books.step([force(i, press, &last)]);
+                            assert!(output.energy >= reserve - 1e-12, "{output:?}");
+                        }
+                        let case = format!("{law:?}, {compliance:?}, {capacity} J, dt {dt}, taker {taker}");
+                        assert_eq!(books.hits, 0, "{case}");
+                        assert!(books.least >= -(capacity - reserve) - 1e-9, "{} J: {case}", books.least);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn several_pressing_axes_share_one_tank() {
+    for law in LAWS {
+        for dt in STEPS {
+            let settings = settings(law, Compliance::Press(30.0), tank(0.1, 0.0, 1.0));
+            let mut books = Books::<3>::new(skill(Family::Time, 1.5), settings, dt);
+            for i in 0..3000 {
+                let last = *books.controller.output();
+                books.step(core::array::from_fn(|axis| match axis {
+                    0 => -24.0,
+                    1 => -20.0 * last.axes[axis].velocity.signum(),
+                    _ => 60.0 * (chance(i / 5) - 0.5),
+                }));
+            }
+            assert_eq!(books.hits, 0);
+            assert!(books.least >= -0.1 - 1e-9, "{} J: {law:?}, dt {dt}", books.least);
+        }
+    }
+}
+
+#[test]
+fn new_settings_in_flight_make_no_energy() {
+    for compliance in COMPLIANCES {
+        let (mut accepted, mut refused) = (0, 0);
+        for dt in STEPS {
+            for (capacity, reserve) in [(0.01, 0.0), (0.1, 0.02), (0.5, 0.0)] {
+                let tank = tank(capacity, reserve, 0.9);
+                let first = settings(Law::FirstOrder, compliance, tank);
+                let mut books = Books::new(skill(Family::Time, 1.5), first, dt);
+                for i in 0..4000 {
+                    if i % 13 == 0 {
+                        let mass = 10_f64.powf(-1.0 + 4.0 * chance(i));
+                        let law = match i % 3 {
+                            0 => Law::FirstOrder,
+                            1 => Law::SecondOrder { mass, damping: Damping::Primitive },
+                            _ => Law::SecondOrder { mass, damping: Damping::Ratio { ratio: 0.2, floor: 1.0 } },
+                        };
+                        let before = *books.controller.output();
+                        match books.controller.set(settings(law, compliance, tank)) {
+                            Ok(()) => accepted += 1,
+                            Err(refusal) => {
+                                refused += 1;
+                                assert!(refusal.to_string().starts_with("energy of the new mass must lie in [0, "));
+                                assert_eq!(*books.controller.output(), before);
+                            }
+                        }
+                    }
+                    let last = *books.controller.output();
+                    let output = books.step([TAKERS[i / 500 % TAKERS.len()](i, 20.0, &last)]);
+                    assert!(output.energy >= reserve - 1e-12, "{output:?}");
+                }
+                assert_eq!(books.hits, 0);
+                let least = books.least;
+                assert!(least >= -(capacity - reserve) - 1e-9, "{least} J: {compliance:?}, {capacity} J, dt {dt}");
+            }
+        }
+        assert!(accepted > 500 && refused > 100, "{accepted} {refused}");
+    }
+}
+
+/// A tool that is to stay at nought.
+fn still() -> HybridPrimitive<f64, [f64; N], 1> {
+    let basis = Basis::equally_spaced(4.605_17, 0.6, [0.0; N], [0.0; N]).unwrap();
+    let axis = AxisPrimitives {
+        movement: Movement::new(0.0, 0.0, 25.0, 0.0, [0.0; N]).unwrap(),
+        stiffness: Gain::new(30.0, 400.0, [100.0; N]).unwrap(),
+        damping: Gain::new(10.0, 100.0, [40.0; N]).unwrap(),
+    };
+    HybridPrimitive::new(Phase::new(1.0, 4.605_17).unwrap(), [basis; 3], [axis]).unwrap()
+}
+
+/// What a contact has seen.
+#[derive(Debug)]
+struct Contact {
+    /// Changes of the velocity by more than 20 mm/s from one step to the next, against the change before.
+    reversals: usize,
+    /// The force at the end, and its spread over the second half [N].
+    force: f64,
+    spread: f64,
+}
+
+/// Presses with 20 N for 20 s on a surface of 2 kN/m at `surface` [m], a function of time.
+fn on_a_surface(law: Law<f64>, capacity: f64, empty: bool, dt: f64, surface: impl Fn(f64) -> f64) -> Contact {
+    let full = settings::<1>(law, Compliance::Press(20.0), tank(capacity, 0.0, 0.9));
+    let mut first = full;
+    if empty {
+        // A tank that is added later starts empty.
+        (first.tank, first.axes[0].compliance) = (None, Compliance::Compliant);
+    }
+    let mut books = Books::new(still(), first, dt);
+    books.controller.set(full).unwrap();
+    let promised = if empty { 0.0 } else { -capacity };
+    assert_eq!(books.controller.output().energy == 0.0, empty);
+    let mut contact = Contact { reversals: 0, force: 0.0, spread: 0.0 };
+    let (mut last, mut sign, mut position) = (0.0, 0.0, 0.0_f64);
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for i in 0..(20.0 / dt) as usize {
+        let time = i as f64 * dt;
+        contact.force = 2000.0 * (position - surface(time)).max(0.0);
+        let axis = books.step([-contact.force]).axes[0];
+        position = axis.position;
+        let change = axis.velocity - last;
+        last = axis.velocity;
+        // The first contact from free flight is a shock by any law.
+        contact.reversals += usize::from(time > 1.0 && change.abs() > 0.02 && change * sign < 0.0);
+        if time > 10.0 {
+            (least, most) = (least.min(contact.force), most.max(contact.force));
+        }
+        if change != 0.0 {
+            sign = change;
+        }
+    }
+    contact.spread = most - least;
+    assert!(books.least >= promised - 1e-9, "{} J", books.least);
+    contact
+}
+
+#[test]
+fn a_set_point_is_throttled_and_not_switched() {
+    for law in [LAWS[0], LAWS[1]] {
+        for dt in [1.25e-4, 1e-3, 2e-3, 1e-2] {
+            for capacity in [0.01, 0.05, 0.2, 1.0] {
+                for (swing, place) in [(0.0, 0.0), (0.0, 0.02), (1e-3, 0.0), (2e-3, 0.01), (1e-2, 0.0), (5e-2, 0.0)] {
+                    let surface = |time: f64| place + swing * (core::f64::consts::PI * time).sin();
+                    let contact = on_a_surface(law, capacity, false, dt, surface);
+                    let case = format!("{contact:?}: {law:?}, dt {dt}, {capacity} J, {swing} m at {place} m");
+                    assert_eq!(contact.reversals, 0, "{case}");
+                    assert!(swing > 0.0 || contact.spread < 1e-3, "{case}");
+                }
+                // An empty tank, pushed back by 4 mm at the start.
+                let contact = on_a_surface(law, capacity, true, dt, |_| -0.004);
+                let case = format!("{contact:?}: {law:?}, dt {dt}, {capacity} J, empty");
+                assert!(contact.reversals == 0 && contact.spread < 1e-3 && contact.force < 8.0, "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_full_tank_presses_with_all_of_the_set_point() {
+    for law in [LAWS[0], LAWS[1]] {
+        let contact = on_a_surface(law, 1.0, false, 1e-3, |_| 0.0);
+        assert!((contact.force - 20.0 * 2000.0 / 2100.0).abs() < 1e-6, "{contact:?}");
+    }
+}
+
+#[test]
+fn limits_of_motion_come_first_and_the_books_say_what_they_cost() {
+    let limits = Limits { force: 50.0, offset: 0.1, velocity: 0.5, acceleration: 10.0, position: [-0.2, 0.4] };
+    let (mut hits, mut overdrawn) = (0, 0.0_f64);
+    for law in LAWS {
+        for compliance in COMPLIANCES {
+            for (capacity, reserve) in [(0.01, 0.0), (0.1, 0.02), (0.5, 0.1)] {
+                for dt in STEPS {
+                    for force in TAKERS {
+                        let mut tight = settings::<1>(law, compliance, tank(capacity, reserve, 0.9));
+                        tight.axes[0].limits = limits;
+                        let mut books = Books::new(skill(Family::Time, 1.5), tight, dt);
+                        for i in 0..2000 {
+                            let last = *books.controller.output();
+                            let before = books.hits;
+                            let output = books.step([force(i, 20.0, &last)]);
+                            // The promise with what is left in place of the reserve, whatever was cut.
+                            let promised = -(capacity - output.energy) - 1e-9;
+                            assert!(books.work >= promised, "{} J: {law:?}, {compliance:?}, dt {dt}", books.work);
+                            // What a limit has overdrawn comes back before anything is spent again.
+                            if books.hits == before && last.energy < reserve {
+                                assert!(output.energy >= last.energy - 1e-12, "{output:?} after {last:?}");
+                            }
+                        }
+                        hits += books.hits;
+                        overdrawn = overdrawn.max(-(capacity - reserve) - books.least);
+                    }
+                }
+            }
+        }
+    }
+    println!("{hits} steps were cut; the most that cuts have cost is {overdrawn:.3} J");
+    assert!(hits > 100_000, "{hits}");
+}
