@@ -52,7 +52,7 @@ pub const HPF_RESUME: u32 = 3;
 pub const HPF_STOP: u32 = 4;
 /// Request: go to another goal, `target`.
 pub const HPF_GOAL: u32 = 5;
-/// Request: call the present force nought; without contact, in Idle.
+/// Request: call the present force zero; without contact, in Idle, once HPF_TARE_READY is set; refused before.
 pub const HPF_TARE: u32 = 6;
 /// Request: back to Idle at the measured position, `target`, of a robot at rest.
 pub const HPF_RESET: u32 = 7;
@@ -63,18 +63,18 @@ pub const HPF_MODE_IDLE: u32 = 0;
 pub const HPF_MODE_RUN: u32 = 1;
 /// Mode: pauses on the path, compliant; resumable.
 pub const HPF_MODE_HOLD: u32 = 2;
-/// Mode: has come to rest for good, still compliant; latched until reset.
+/// Mode: has come to rest for good, still compliant where it has moved before; latched until reset.
 pub const HPF_MODE_STOP: u32 = 3;
-/// Mode: has come to rest, rigid, because it cannot feel; latched until reset.
+/// Mode: has come to rest, rigid, because an input is lost; latched until reset.
 pub const HPF_MODE_FAULT: u32 = 4;
 
 /// Flag of an output: the movement has ended; set once.
 pub const HPF_ENDED: u32 = 1;
-/// Flag of an output: dt was not positive or not finite, the last command is repeated.
+/// Flag of an output: dt was not finite or below 1 us, the command stands still.
 pub const HPF_BAD_TIME: u32 = 2;
 /// Flag of an output: dt was longer than allowed and was cut.
 pub const HPF_LONG_TIME: u32 = 4;
-/// Flag of an output: the force was not finite or too old, the last good one stands in.
+/// Flag of an output: the force of an axis was not finite, or all of it too old; the last good one stands in.
 pub const HPF_BAD_FORCE: u32 = 8;
 /// Flag of an output: that for longer than may be bridged; offsets are frozen, the path comes to rest.
 pub const HPF_FORCE_LOST: u32 = 16;
@@ -88,6 +88,14 @@ pub const HPF_FORCE_TRIPPED: u32 = 128;
 pub const HPF_TRACKING_TRIPPED: u32 = 256;
 /// Flag of an output: the tank has held back stiffness, motion along the path or a force set-point.
 pub const HPF_ENERGY_SHORT: u32 = 512;
+/// Flag of an output: a measured position has been bad for longer than may be bridged; the path comes to rest.
+pub const HPF_POSITION_LOST: u32 = 1024;
+/// Flag of an output: the rate has been bad for longer than may be bridged; the path comes to rest.
+pub const HPF_RATE_LOST: u32 = 2048;
+/// Flag of an output: dt has been bad or long for more steps than may be bridged; the path comes to rest.
+pub const HPF_TIME_LOST: u32 = 4096;
+/// Flag of an output, in Idle: the force has stood still long enough for HPF_TARE.
+pub const HPF_TARE_READY: u32 = 8192;
 
 /// Limit that has cut a command: the force into the model.
 pub const HPF_HIT_FORCE: u32 = 1;
@@ -242,11 +250,11 @@ pub struct Settings<T> {
     pub tank_refill: T,
     /// The most that switching may put into one axis [W].
     pub tank_power: T,
-    /// Longest step; a longer dt is cut to it [s].
+    /// Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
     pub longest_step: T,
-    /// Time for the rate to go from 0 to 1 or back [s].
+    /// Time for the rate to go from 0 to 1 or back [s]. At most 10 s.
     pub ramp: T,
-    /// How long the last good force may stand in for a bad one [s].
+    /// How long a bad force, measured position or rate may be bridged [s]. At most 1 s.
     pub hold: T,
     /// Oldest reading that is still good [steps].
     pub oldest_force: u32,
@@ -332,7 +340,7 @@ pub struct Counters {
     pub struct_size: u32,
     /// HPF_ABI_VERSION; set it before the call.
     pub abi_version: u32,
-    /// Steps with a dt that was not positive or not finite.
+    /// Steps with a dt that was not finite or below 1 us.
     pub bad_time: u32,
     /// Steps with a dt that was too long.
     pub long_time: u32,

@@ -146,6 +146,10 @@ impl<T: Real> Output<T> {
             status.force_tripped,
             status.tracking_tripped,
             status.energy_short,
+            status.position_lost,
+            status.rate_lost,
+            status.time_lost,
+            status.tare_ready,
         ]);
         (self.phase, self.rate, self.energy) = (from.phase, from.rate, from.energy);
         for (slot, axis) in self.axis.iter_mut().zip(&from.axes) {

@@ -15,13 +15,13 @@ use crate::storage::{List, Room, numbers};
 /// Alignment of the memory for a controller.
 pub const HPF_ALIGNMENT: usize = 8;
 /// Upper bound of what a single-precision controller needs beside its axes and lists.
-pub const HPF_F32_BYTES_BASE: usize = 416;
+pub const HPF_F32_BYTES_BASE: usize = 512;
 /// Upper bound of what each axis adds, without lists.
-pub const HPF_F32_BYTES_PER_AXIS: usize = 256;
+pub const HPF_F32_BYTES_PER_AXIS: usize = 296;
 /// Upper bound of what a double-precision controller needs beside its axes and lists.
-pub const HPF_F64_BYTES_BASE: usize = 576;
+pub const HPF_F64_BYTES_BASE: usize = 736;
 /// Upper bound of what each axis adds, without lists.
-pub const HPF_F64_BYTES_PER_AXIS: usize = 448;
+pub const HPF_F64_BYTES_PER_AXIS: usize = 528;
 
 /// A scalar that controllers are made for.
 pub trait Scalar: Real + PartialOrd {
@@ -55,6 +55,8 @@ pub struct Instance<T: 'static> {
     set: unsafe fn(*mut Handle<T>, &Settings<T>) -> Outcome,
     output: unsafe fn(*const Handle<T>, &mut Output<T>),
     counters: unsafe fn(*const Handle<T>, &mut Counters),
+    /// Writes one number per axis, to a pointer that is checked.
+    bias: unsafe fn(*const Handle<T>, *mut T) -> Outcome,
 }
 
 /// A controller in the caller's memory; opaque to C.
@@ -83,6 +85,7 @@ impl<T: Scalar, const D: usize> Slot<T, D> {
         set: Self::set,
         output: Self::output,
         counters: Self::counters,
+        bias: Self::bias,
     };
     const FITS: () = {
         let [base, per_axis] = match size_of::<T>() {
@@ -149,6 +152,19 @@ impl<T: Scalar, const D: usize> Slot<T, D> {
         // SAFETY: by contract.
         let slot = unsafe { &*handle.cast::<Self>() };
         counters.write(slot.controller.counters());
+    }
+
+    /// # Safety
+    /// As above; `bias` points to `D` numbers for writing, unless null or not aligned.
+    unsafe fn bias(handle: *const Handle<T>, bias: *mut T) -> Outcome {
+        let bias = bias.cast::<[T; D]>();
+        usable(bias.cast_const())?;
+        // SAFETY: by contract and the check above; an array has the alignment of its numbers.
+        unsafe {
+            let slot = &*handle.cast::<Self>();
+            bias.write(slot.controller.bias());
+        }
+        Ok(())
     }
 }
 
@@ -367,6 +383,12 @@ pub(crate) unsafe fn counters<T: Scalar>(controller: *const Handle<T>, counters:
         Ok(())
     };
     status(counted())
+}
+
+pub(crate) unsafe fn bias<T: Scalar>(controller: *const Handle<T>, bias: *mut T) -> i32 {
+    // SAFETY: by contract.
+    let read = || unsafe { (made(controller)?.bias)(controller, bias) };
+    status(read())
 }
 
 pub(crate) unsafe fn compliant<T: Scalar>(settings: *mut Settings<T>, axes: u32, limits: *const Limits<T>) -> i32 {

@@ -175,7 +175,7 @@ fn same_over_a_movement<const D: usize>(family: u32, lists: u32) {
     let handle = caller.create_in(exact).unwrap();
     let mut ours = controller::<D>(family == HPF_BASIS_TIME);
     let mut output: Output<f64> = prepared();
-    for tick in 0..3000_u32 {
+    for tick in 0..3700_u32 {
         let (request, choice) = match tick {
             0 => (Some(Request::Start), HPF_START),
             400 => (Some(Request::Hold), HPF_HOLD),
@@ -184,11 +184,12 @@ fn same_over_a_movement<const D: usize>(family: u32, lists: u32) {
             1000 => (Some(Request::Tare), HPF_TARE), // refused in Run
             2500 => (Some(Request::Stop), HPF_STOP),
             2900 => (Some(Request::Reset([0.1; D])), HPF_RESET),
-            2950 => (Some(Request::Tare), HPF_TARE),
+            3500 => (Some(Request::Tare), HPF_TARE),
             _ => (None, HPF_NO_REQUEST),
         };
         let force = match tick {
             1500 => f64::NAN,
+            2900.. => 8.0, // in Idle, still
             _ => 40.0 * (0.01 * f64::from(tick)).sin(),
         };
         let dt = if tick == 1200 { -1.0 } else { 1e-3 };
@@ -239,9 +240,17 @@ fn same_over_a_movement<const D: usize>(family: u32, lists: u32) {
             (status.force_tripped, HPF_FORCE_TRIPPED),
             (status.tracking_tripped, HPF_TRACKING_TRIPPED),
             (status.energy_short, HPF_ENERGY_SHORT),
+            (status.position_lost, HPF_POSITION_LOST),
+            (status.rate_lost, HPF_RATE_LOST),
+            (status.time_lost, HPF_TIME_LOST),
+            (status.tare_ready, HPF_TARE_READY),
         ];
         assert!(flags.into_iter().all(|(set, flag)| set == (output.flags & flag != 0)), "tick {tick}");
     }
+    let mut bias = [f64::NAN; HPF_AXES_MAX];
+    // SAFETY: both outlive the call.
+    assert_eq!(unsafe { hpf_f64_bias(handle, bias.as_mut_ptr()) }, HPF_OK);
+    assert!(bias.iter().enumerate().all(|(i, &bias)| if i < D { bias == 8.0 } else { bias.is_nan() }), "{bias:?}");
     let mut counters: Counters = prepared();
     // SAFETY: both outlive the call.
     assert_eq!(unsafe { hpf_f64_counters(handle, &mut counters) }, HPF_OK);
@@ -346,6 +355,7 @@ fn a_call_that_cannot_be_is_refused_and_changes_nothing() {
         assert_eq!(hpf_f64_output(handle, &mut output), HPF_OK);
         assert_eq!((output.phase, output.mode, output.flags), (phase, HPF_MODE_IDLE, 0));
         assert_eq!(hpf_f64_counters(handle, null_mut()), HPF_NULL_POINTER);
+        assert_eq!(hpf_f64_bias(handle, null_mut()), HPF_NULL_POINTER);
         assert_eq!(hpf_f64_set(handle, null(), null_mut()), HPF_NULL_POINTER);
         assert_eq!(hpf_f64_compliant(&mut caller.settings, 8, null()), HPF_WRONG_AXES);
         assert_eq!(hpf_f64_size(null(), &caller.policy, &mut bytes), HPF_NULL_POINTER);

@@ -24,6 +24,7 @@ mod inertial;
 pub use inertial::{Inertial, OffsetMotion};
 
 use crate::Real;
+use crate::domain::flushed;
 
 /// Below this lambda h, `(1 - exp(-x))/x` is taken from its series: 0/0 at nought, a relative error of x^3/24 here.
 const SERIES_BELOW: f64 = 1e-5;
@@ -34,7 +35,8 @@ fn mean_decay<T: Real>(x: T, settled: T) -> T {
     x.choose_below(T::of(SERIES_BELOW), || T::ONE - x * (T::of(0.5) - x * T::of(1.0 / 6.0)), || settled / x)
 }
 
-/// One step of `d e' + k e = f`, exact for k, d and f held over `dt` [s]. Returns the new offset.
+/// One step of `d e' + k e = f`, exact for k, d and f held over `dt` [s]. Returns the new offset, zero where it has died
+/// away.
 ///
 /// `damping` must be positive; `stiffness` may be nought, where the tool drifts by `dt f/d`.
 ///
@@ -48,7 +50,7 @@ fn mean_decay<T: Real>(x: T, settled: T) -> T {
 pub fn step_offset<T: Real>(offset: T, stiffness: T, damping: T, force: T, dt: T) -> T {
     let x = stiffness * dt / damping;
     let settled = -(-x).exp_m1();
-    offset - settled * offset + force * dt / damping * mean_decay(x, settled)
+    flushed(offset - settled * offset + force * dt / damping * mean_decay(x, settled))
 }
 
 /// One step of `y' = -lambda (y - q(t))`, exact for q running linearly from `target_start` to `target_end`.

@@ -13,12 +13,19 @@
 //! | w | `dead_zone` | N or N m |
 //! | h | `dt` | s |
 //!
+//! A force that stands still is called zero by a tare: [`TareWindow`] tells whether it does, and what it is.
+//!
 //! The filter settles by the same share per second at every loop rate. All axes are read in one frame in which gravity
 //! stands still (the base frame): turning a reading of the sensor's frame into it takes the robot's kinematics, which
 //! are not here.
 
+mod tare;
+
+pub use tare::{TARE_DRIFT, TARE_SPREAD, TARE_TIME, TareWindow};
+
 use core::f64::consts::TAU;
 
+use crate::domain::flushed;
 use crate::{ConfigError, Real, error};
 
 /// What of `force` lies outside `[-width, width]`.
@@ -40,7 +47,7 @@ pub fn dead_zone<T: Real>(force: T, width: T) -> T {
 /// let mut state = ForceState::default();
 /// // The tool hangs on the sensor: -5 N are its weight, 3 N of the 8 N along x remain after tare and dead zone.
 /// conditioning.step(&mut state, [4.0, -5.0], 1e-3);
-/// state.tare();
+/// state.tare([4.0, 0.0]); // the mean of [`TareWindow`], say
 /// assert_eq!(conditioning.step(&mut state, [8.0, -5.0], 1e-3), [3.0, 0.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,10 +78,10 @@ impl<T: Real, const D: usize> Default for ForceState<T, D> {
 }
 
 impl<T: Real, const D: usize> ForceState<T, D> {
-    /// Calls the present filtered force nought: what remains of it is bias.
-    pub fn tare(&mut self) {
-        for (bias, filtered) in self.bias.iter_mut().zip(&mut self.filtered) {
-            *bias += *filtered;
+    /// Calls `still` zero: a compensated force [N] that has stood still, see [`TareWindow`]. The filter has settled on it.
+    pub fn tare(&mut self, still: [T; D]) {
+        for ((bias, filtered), still) in self.bias.iter_mut().zip(&mut self.filtered).zip(still) {
+            *bias += still;
             *filtered = T::ZERO;
         }
     }
@@ -84,11 +91,11 @@ impl<T: Real, const D: usize> ForceConditioning<T, D> {
     /// Whether every value makes sense.
     ///
     /// # Errors
-    /// [`ConfigError`] for values that are not finite, a negative mass or dead zone, a cut-off that is not positive.
+    /// [`ConfigError`] for values outside their [domain](crate::domain): a mass or dead zone may be zero.
     pub fn check(&self) -> Result<(), ConfigError> {
         error::not_negative("conditioning.tool_mass", self.tool_mass)?;
-        error::finite_list("conditioning.gravity", &self.gravity, D)?;
-        self.cutoff.map_or(Ok(T::ONE), |cutoff| error::positive("conditioning.cutoff", cutoff))?;
+        self.gravity.iter().try_for_each(|&gravity| error::number("conditioning.gravity", gravity).map(drop))?;
+        self.cutoff.map_or(Ok(T::ONE), |cutoff| error::size("conditioning.cutoff", cutoff))?;
         self.dead_zone.iter().try_for_each(|&width| error::not_negative("conditioning.dead_zone", width).map(drop))
     }
 
@@ -118,7 +125,7 @@ impl<T: Real, const D: usize> ForceConditioning<T, D> {
     #[inline]
     pub(crate) fn settle(&self, state: &mut ForceState<T, D>, mut force: [T; D], settled: T) -> [T; D] {
         for ((force, filtered), &width) in force.iter_mut().zip(&mut state.filtered).zip(&self.dead_zone) {
-            *filtered += settled * (*force - *filtered);
+            *filtered = flushed(*filtered + settled * (*force - *filtered));
             *force = dead_zone(*filtered, width);
         }
         force

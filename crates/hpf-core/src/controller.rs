@@ -2,8 +2,8 @@
 //!
 //! One step of `dt` [s], all plain data in and out, nothing but arithmetic in between:
 //! 1. the request, by the one table of [`Mode`];
-//! 2. the force: a bad one (not finite, too old) is replaced by the last good one for [`Timing::hold`], then offsets
-//!    freeze and the path comes to rest, then the mode is Fault; conditioning; trip levels;
+//! 2. force, measured position, rate and dt, bad ones by the one table of [`faults`]; conditioning; trip levels, each axis
+//!    by itself;
 //! 3. the rate of time along the path, by a ramp;
 //! 4. the skill at the middle of the step, every basis once; stiffness as the energy tank allows it;
 //! 5. the reference, exact, and of that step the share `c <= 1` that every velocity limit and the tank can pay for: slower
@@ -23,8 +23,10 @@
 //! Where a limit cuts a first-order axis of every compliance, its offset comes back by `d e' + k e = 0`.
 
 mod exchange;
+pub mod faults;
 mod mode;
 mod reference;
+mod sense;
 mod settings;
 mod step;
 
@@ -33,16 +35,15 @@ pub use mode::{Event, Mode};
 pub use settings::{AxisSettings, Compliance, Damping, Law, Settings, Timing};
 
 use exchange::count;
+use faults::Debts;
 use reference::Reference;
 
 use crate::admittance::{Inertial, OffsetMotion};
-use crate::conditioning::ForceState;
-use crate::limits::{Hits, LARGEST};
+use crate::conditioning::{ForceState, TareWindow};
+use crate::limits::Hits;
+use crate::movement::Increment;
 use crate::passivity::kinetic_energy;
-use crate::{AxisPrimitives, ConfigError, HybridPrimitive, Profile, Real, Transition, error};
-
-/// Spring factors of a movement for which no product of a step can overflow in single precision.
-const ALPHA_RANGE: [f64; 2] = [1e-3, 1e6];
+use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 
 /// A skill, its settings and its state; `S` holds each list: `[T; N]`, or `&'static [T; N]` for lists in flash.
 ///
@@ -85,9 +86,15 @@ pub struct Controller<T, S, const D: usize> {
     force: ForceState<T, D>,
     /// The last good reading [N].
     good_force: [T; D],
-    /// Time since the last good reading [s].
-    lost_for: T,
+    /// What force is a tare's.
+    tare: TareWindow<T, D>,
+    /// What each input owes.
+    debts: Debts<T>,
     ended: bool,
+    /// Whether it has been in Run since it was put where it is.
+    moved: bool,
+    /// What the phase has lost in rounding.
+    phase_remainder: T,
     counters: Counters,
     pace: Pace<T>,
     /// The last output; phase, rate, energy, mode and motion of the commands are the state of what they say.
@@ -105,8 +112,8 @@ struct Pace<T> {
     spends: T,
     /// The rate that the rest is for; none that can be where the step's length is new.
     rate: T,
-    /// By what the phase falls in half a step.
-    fall: T,
+    /// By what share of itself the phase changes in half a step.
+    half: T,
 }
 
 /// State of one axis beside its last command.
@@ -117,28 +124,20 @@ struct AxisState<T> {
     /// The second-order law, if the axis has one.
     law: Option<Inertial<T>>,
     /// The reference's step at the last [`Pace`].
-    step: Transition<T>,
+    step: Increment<T>,
 }
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// A controller in Idle for a robot at rest at `position` [axis unit].
     ///
     /// # Errors
-    /// [`ConfigError`] for settings that make no sense, a position or a goal outside the workspace, and a skill whose
-    /// numbers are so extreme that a step could overflow.
+    /// [`ConfigError`] for settings outside their [domain](crate::domain), and a position or a goal outside the workspace.
     pub fn new(
         skill: HybridPrimitive<T, S, D>,
         settings: Settings<T, D>,
         position: [T; D],
     ) -> Result<Self, ConfigError> {
         let laws = settings.laws(skill.axes())?;
-        error::within("duration", skill.phase().duration(), 1.0 / LARGEST, LARGEST)?;
-        for AxisPrimitives { movement, .. } in skill.axes() {
-            let [least, most] = ALPHA_RANGE;
-            error::within("alpha", movement.alpha(), least, most)?;
-            let largest = movement.weights().iter().fold(T::ZERO, |largest, weight| largest.max(weight.abs()));
-            error::within("forcing_scale times weights", movement.forcing_scale().abs() * largest, 0.0, LARGEST)?;
-        }
         let rest = AxisOutput {
             position: T::ZERO,
             velocity: T::ZERO,
@@ -153,13 +152,16 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let mut controller = Self {
             settings,
             end_phase: skill.phase().end(),
-            axes: laws.map(|law| AxisState { reference, offset: still, law, step: Transition::NONE }),
+            axes: laws.map(|law| AxisState { reference, offset: still, law, step: Increment::NONE }),
             force: ForceState::default(),
             good_force: [T::ZERO; D],
-            lost_for: T::of(LARGEST),
+            tare: TareWindow::default(),
+            debts: Debts::UNREAD,
             ended: false,
+            moved: false,
+            phase_remainder: T::ZERO,
             counters: Counters::default(),
-            pace: Pace { dt: T::ZERO, settled: T::ZERO, spends: T::ZERO, rate: T::ZERO, fall: T::ONE },
+            pace: Pace { dt: T::ZERO, settled: T::ZERO, spends: T::ZERO, rate: T::ZERO, half: T::ZERO },
             last: Output {
                 axes: [rest; D],
                 phase: T::ONE,
@@ -188,6 +190,11 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// The last output.
     pub fn output(&self) -> &Output<T, D> {
         &self.last
+    }
+
+    /// The force [N] that is called zero, beside the tool's weight: what the last tare has found.
+    pub fn bias(&self) -> [T; D] {
+        self.force.bias
     }
 
     /// How often what has gone wrong.
@@ -231,6 +238,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 self.last.energy = energy;
                 self.settings = settings;
                 self.pace.dt = T::ZERO;
+                self.tare = TareWindow::default();
                 Ok(())
             }
             Err(refusal) => {
@@ -249,29 +257,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             self.last.status.refused = true;
             count(&mut self.counters.refused);
         }
-        if let Some(dt) = self.heed(dt) {
-            self.advance(input, dt);
+        match self.heed(dt) {
+            Some(dt) => self.advance(input, dt),
+            None => self.stand(input),
         }
         // In parts: as a whole it is copied by a call on a microcontroller.
         let Output { axes, phase, rate, energy, mode, status } = self.last;
         Output { axes, phase, rate, energy, mode, status }
-    }
-
-    /// The length of a step of `dt`, if it is one.
-    #[inline]
-    fn heed(&mut self, dt: T) -> Option<T> {
-        let longest = self.settings.timing.longest_step;
-        if dt > T::ZERO && dt <= longest {
-            return Some(dt);
-        }
-        if dt.is_finite() && dt > longest {
-            self.last.status.long_time = true;
-            count(&mut self.counters.long_time);
-            return Some(longest);
-        }
-        self.last.status.bad_time = true;
-        count(&mut self.counters.bad_time);
-        None
     }
 
     /// Does what is asked for; returns whether it did.
@@ -283,11 +275,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             Request::Stop => self.on(Event::Stop),
             Request::Goal(goal) => self.retarget(goal),
             Request::Tare => {
-                let idle = self.last.mode == Mode::Idle;
-                if idle {
-                    self.force.tare();
+                let still = if self.last.mode == Mode::Idle { self.tare.mean() } else { None };
+                if let Some(still) = still {
+                    self.force.tare(still);
+                    self.tare = TareWindow::default();
                 }
-                idle
+                still.is_some()
             }
             Request::Reset(position) => {
                 self.last.mode.after(Event::Reset).is_some() && self.put(position).is_ok() && self.on(Event::Reset)
@@ -328,7 +321,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         self.last.phase = T::ONE;
         self.last.rate = T::ZERO;
         self.last.energy = self.settings.tank.map_or(T::ZERO, |tank| tank.capacity());
-        self.ended = false;
+        (self.ended, self.moved, self.phase_remainder) = (false, false, T::ZERO);
+        (self.tare, self.debts) = (TareWindow::default(), Debts::UNREAD);
         Ok(())
     }
 

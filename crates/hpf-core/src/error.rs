@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::domain::{LARGEST, SMALLEST};
+
 /// Why a constructor refused its parameters. Reason = variant, culprit = payload.
 ///
 /// ```
@@ -103,15 +105,26 @@ pub(crate) fn positive<T: crate::Real>(field: &'static str, value: T) -> Result<
     if value.to_f64() > 0.0 { Ok(value) } else { Err(ConfigError::NotPositive { field, value: value.to_f64() }) }
 }
 
-/// `value` if finite and not below nought, else an error that names `field`.
-pub(crate) fn not_negative<T: crate::Real>(field: &'static str, value: T) -> Result<T, ConfigError> {
-    within(field, value, 0.0, f64::INFINITY)
+/// `value` if it is positive and within the [domain](crate::domain), else an error that names `field`.
+pub(crate) fn size<T: crate::Real>(field: &'static str, value: T) -> Result<T, ConfigError> {
+    positive(field, value)?;
+    within(field, value, SMALLEST, LARGEST)
 }
 
-/// `value` if finite and in `[min, max]`, else an error that names `field`.
+/// `value` if it is zero, or positive and not above the [domain](crate::domain), else an error that names `field`.
+pub(crate) fn not_negative<T: crate::Real>(field: &'static str, value: T) -> Result<T, ConfigError> {
+    within(field, value, 0.0, LARGEST)
+}
+
+/// `value` if it is within the [domain](crate::domain) of numbers of either sign, else an error that names `field`.
+pub(crate) fn number<T: crate::Real>(field: &'static str, value: T) -> Result<T, ConfigError> {
+    within(field, value, -LARGEST, LARGEST)
+}
+
+/// `value` if finite and in `[min, max]`, as its scalar rounds them, else an error that names `field`.
 pub(crate) fn within<T: crate::Real>(field: &'static str, value: T, min: f64, max: f64) -> Result<T, ConfigError> {
     let found = finite(field, value)?.to_f64();
-    if found >= min && found <= max {
+    if found >= T::of(min).to_f64() && found <= T::of(max).to_f64() {
         Ok(value)
     } else {
         Err(ConfigError::OutOfRange { field, value: found, min, max })

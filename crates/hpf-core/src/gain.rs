@@ -28,17 +28,18 @@ pub struct Gain<T, S> {
 }
 
 impl<T: Real, S: AsRef<[T]>> Gain<T, S> {
-    /// A gain with every weight in `[min, max]`, `min` above nought.
+    /// A gain with every weight in `[min, max]`, `min` above zero.
     ///
     /// # Errors
-    /// [`ConfigError`] for bounds that are not finite, not positive or out of order, and for a weight outside them.
+    /// [`ConfigError`] for bounds outside their [domain](crate::domain) or out of order, and for a weight outside them.
     pub fn new(min: T, max: T, weights: S) -> Result<Self, ConfigError> {
-        error::positive("min", min)?;
+        error::size("min", min)?;
         error::finite("max", max)?;
         let (lo, hi) = (min.to_f64(), max.to_f64());
         if lo > hi {
             return Err(ConfigError::MinAboveMax { field: "gain", min: lo, max: hi });
         }
+        error::size("max", max)?;
         for &weight in weights.as_ref() {
             let value = error::finite("weights", weight)?.to_f64();
             if value < lo || value > hi {

@@ -3,17 +3,18 @@
 //! One step of `dt` [s] at `rate` r, per axis (the order is that of its parts, each exact for what it holds):
 //! 1. phase to mid-step: `s_m = s exp(-alpha_s r h/(2 tau))`; the bases are evaluated there, once for all axes
 //!    and once for the primitives that share one;
-//! 2. movement: [`Transition`] with F(s_m), second order;
+//! 2. movement: the step of [`Transition`](crate::Transition) with F(s_m), second order;
 //! 3. admittance: [`step_offset`] with k(s_m), d(s_m), second order in the parameters; the measured force is held,
 //!    which is sampling, not integration;
 //! 4. phase to the end of the step.
+//!
+//! Phase and reference are sums of changes whose rounding is carried on: single precision serves skills of hours.
 
-use crate::{
-    Basis, ConfigError, Gain, Movement, MovementState, Phase, Real, Transition, admittance::step_offset, error,
-};
-
-/// A longer step [s] or a larger force [N] counts as this much: by then all has settled, and no product overflows.
-const LARGEST_INPUT: f64 = 1e9;
+use crate::admittance::step_offset;
+use crate::compensated::accumulate;
+use crate::domain::LARGEST;
+use crate::movement::Increment;
+use crate::{Basis, ConfigError, Gain, Movement, MovementState, Phase, Real, error};
 
 /// The three primitives of one axis; `S` holds each primitive's weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,8 +84,9 @@ pub struct Profile<T> {
 pub struct AxisState<T> {
     /// Reference motion.
     pub reference: MovementState<T>,
-    /// What its position has lost in rounding [axis unit]: without it, single precision stalls short of a far goal.
-    pub remainder: T,
+    /// What position and velocity have lost in rounding so far: without it, single precision strays on long skills and
+    /// stalls short of a far goal.
+    pub remainder: MovementState<T>,
     /// Offset e: commanded minus reference position [axis unit].
     pub offset: T,
 }
@@ -94,6 +96,8 @@ pub struct AxisState<T> {
 pub struct HybridState<T, const D: usize> {
     /// Phase s, 1 at the start.
     pub phase: T,
+    /// What the phase has lost in rounding so far.
+    pub phase_remainder: T,
     /// One state per axis.
     pub axes: [AxisState<T>; D],
 }
@@ -185,9 +189,10 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         let axes = self.axes.each_ref();
         HybridState {
             phase: T::ONE,
+            phase_remainder: T::ZERO,
             axes: axes.map(|axis| AxisState {
                 reference: axis.movement.initial_state(),
-                remainder: T::ZERO,
+                remainder: MovementState { position: T::ZERO, scaled_velocity: T::ZERO },
                 offset: T::ZERO,
             }),
         }
@@ -199,26 +204,26 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// not finite leaves the offset of its axis where it is; beyond 1e9, `dt` and force count as 1e9.
     pub fn step(&self, state: &mut HybridState<T, D>, measured_force: [T; D], rate: T, dt: T) -> [AxisCommand<T>; D] {
         let rate = rate.max(T::ZERO).min(T::ONE);
-        let largest = T::of(LARGEST_INPUT);
+        let largest = T::of(LARGEST);
         let dt = if dt.is_finite() { dt.max(T::ZERO).min(largest) } else { T::ZERO };
         let duration = self.phase.duration();
 
-        let middle = self.phase.step(state.phase, rate, dt * T::of(0.5));
+        let half = self.phase.change(rate, dt * T::of(0.5));
+        let middle = state.phase + state.phase * half;
         let profiles = self.at(middle);
-        state.phase = self.phase.step(state.phase, rate, dt);
+        let change = (state.phase + middle) * half;
+        accumulate(&mut state.phase, &mut state.phase_remainder, change);
 
         let mut commands =
             [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];
         let slots = commands.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(measured_force).zip(profiles);
         for ((((command, state), axis), force), Profile { forcing, stiffness, damping }) in slots {
-            let transition = Transition::new(axis.movement.alpha(), (rate * dt / duration).min(largest));
-            let goal = axis.movement.goal();
-            let mut distance = state.reference;
-            distance.position = (distance.position - goal) + state.remainder;
-            transition.apply(&mut distance, T::ZERO, forcing);
-            let position = goal + distance.position;
-            state.remainder = distance.position - (position - goal);
-            state.reference = MovementState { position, ..distance };
+            let step = Increment::new(axis.movement.alpha(), rate * dt / duration);
+            let MovementState { position, scaled_velocity } = &mut state.reference;
+            let distance = (*position - axis.movement.goal()) + state.remainder.position;
+            let change = step.of(distance, *scaled_velocity, forcing);
+            accumulate(position, &mut state.remainder.position, change.position);
+            accumulate(scaled_velocity, &mut state.remainder.scaled_velocity, change.scaled_velocity);
             let mut give = T::ZERO;
             if force.is_finite() {
                 let force = force.max(-largest).min(largest);

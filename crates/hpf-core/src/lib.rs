@@ -15,9 +15,10 @@
 
 pub mod admittance;
 pub mod basis;
+mod compensated;
 pub mod conditioning;
-
 pub mod controller;
+pub mod domain;
 mod error;
 mod gain;
 mod hybrid;

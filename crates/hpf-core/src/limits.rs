@@ -18,9 +18,6 @@
 
 use crate::{ConfigError, Real, error};
 
-/// No limit, force or time may be larger: the square of a larger one is no number in single precision.
-pub(crate) const LARGEST: f64 = 1e9;
-
 /// The limits of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<T> {
@@ -95,7 +92,7 @@ impl<T: Real + PartialOrd> Limits<T> {
     /// Whether every value makes sense.
     ///
     /// # Errors
-    /// [`ConfigError`] unless all are finite, at most 1e9, and positive, and the workspace has a width.
+    /// [`ConfigError`] unless all lie in their [domain](crate::domain) and the workspace has a width.
     pub fn check(&self) -> Result<(), ConfigError> {
         for (field, value) in [
             ("limits.force", self.force),
@@ -103,12 +100,11 @@ impl<T: Real + PartialOrd> Limits<T> {
             ("limits.velocity", self.velocity),
             ("limits.acceleration", self.acceleration),
         ] {
-            error::positive(field, value)?;
-            error::within(field, value, 0.0, LARGEST)?;
+            error::size(field, value)?;
         }
         let [min, max] = self.position;
-        error::within("limits.position", min, -LARGEST, LARGEST)?;
-        error::within("limits.position", max, -LARGEST, LARGEST)?;
+        error::number("limits.position", min)?;
+        error::number("limits.position", max)?;
         if min < max {
             Ok(())
         } else {

@@ -18,6 +18,11 @@
 //!
 //! Source: Ijspeert, Nakanishi, Hoffmann, Pastor, Schaal, Neural Computation 25(2):328, 2013, doi 10.1162/NECO_a_00393.
 
+mod increment;
+
+pub(crate) use increment::Increment;
+
+use crate::domain::{ALPHA, LARGEST};
 use crate::{ConfigError, Real, error};
 
 /// Spring factor alpha where nothing else is asked for.
@@ -37,16 +42,19 @@ impl<T: Real, S: AsRef<[T]>> Movement<T, S> {
     /// A movement from rest at `start` to `goal` (both in the axis unit).
     ///
     /// # Errors
-    /// [`ConfigError`] for values that are not finite and an `alpha` that is not positive.
+    /// [`ConfigError`] for values outside their [domain](crate::domain), the forcing scale times a weight among them.
     pub fn new(start: T, goal: T, alpha: T, forcing_scale: T, weights: S) -> Result<Self, ConfigError> {
         error::finite_list("movement.weights", weights.as_ref(), weights.as_ref().len())?;
-        Ok(Self {
-            start: error::finite("start", start)?,
-            goal: error::finite("goal", goal)?,
-            alpha: error::positive("alpha", alpha)?,
-            forcing_scale: error::finite("forcing_scale", forcing_scale)?,
-            weights,
-        })
+        error::number("start", start)?;
+        error::number("goal", goal)?;
+        error::positive("alpha", alpha)?;
+        let [least, most] = ALPHA;
+        error::within("alpha", alpha, least, most)?;
+        error::number("forcing_scale", forcing_scale)?;
+        let largest = weights.as_ref().iter().fold(T::ZERO, |largest, weight| largest.max(weight.abs()));
+        error::within("movement.weights", largest, 0.0, LARGEST)?;
+        error::within("forcing_scale times weights", forcing_scale.abs() * largest, 0.0, LARGEST)?;
+        Ok(Self { start, goal, alpha, forcing_scale, weights })
     }
 
     /// Where the movement starts [axis unit].
@@ -132,21 +140,24 @@ const SERIES: [f64; 8] =
 /// So many of them count in single precision.
 const SINGLE_TERMS: usize = 5;
 
-impl<T: Real> Transition<T> {
-    /// A step in which all comes to rest at the goal.
-    pub(crate) const NONE: Self = Self {
-        position_from_position: T::ZERO,
-        position_from_velocity: T::ZERO,
-        velocity_from_position: T::ZERO,
-        velocity_from_velocity: T::ZERO,
-        position_from_forcing: T::ZERO,
-    };
+/// What every form of the step is made of.
+struct Response<T> {
+    dth: T,
+    p: T,
+    u: T,
+    /// 1 - E.
+    settled: T,
+    /// E.
+    decay: T,
+    g1: T,
+}
 
-    /// The step for spring factor `alpha` over `normalised_dt = rate dt / duration` (at least 0).
+impl<T: Real> Response<T> {
     #[inline]
-    pub fn new(alpha: T, normalised_dt: T) -> Self {
-        let dth = normalised_dt;
-        let p = alpha * T::of(0.5);
+    fn new(alpha: T, normalised_dt: T) -> Self {
+        let dth = normalised_dt.at_least(T::ZERO).at_most(T::of(LARGEST));
+        let [least, most] = ALPHA.map(T::of);
+        let p = alpha.at_least(least).at_most(most) * T::of(0.5);
         let u = p * dth;
         let settled = -(-u).exp_m1();
         let decay = T::ONE - settled;
@@ -155,12 +166,22 @@ impl<T: Real> Transition<T> {
         let single = (T::ONE + T::of(1e-12)).to_f64() <= 1.0;
         let terms = SERIES.iter().take(if single { SINGLE_TERMS } else { SERIES.len() });
         let series = || dth * dth * terms.rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
+        Self { dth, p, u, settled, decay, g1: u.choose_below(T::of(SERIES_BELOW), series, closed) }
+    }
+}
+
+impl<T: Real> Transition<T> {
+    /// The step for spring factor `alpha` over `normalised_dt = rate dt / duration`, each brought into its
+    /// [domain](crate::domain): no step makes what is finite infinite.
+    #[inline]
+    pub fn new(alpha: T, normalised_dt: T) -> Self {
+        let Response { dth, p, u, decay, g1, .. } = Response::new(alpha, normalised_dt);
         Self {
             position_from_position: decay * (T::ONE + u),
             position_from_velocity: decay * dth,
             velocity_from_position: -decay * p * p * dth,
             velocity_from_velocity: decay * (T::ONE - u),
-            position_from_forcing: u.choose_below(T::of(SERIES_BELOW), series, closed),
+            position_from_forcing: g1,
         }
     }
 
@@ -175,13 +196,5 @@ impl<T: Real> Transition<T> {
             + self.position_from_forcing * forcing;
         state.scaled_velocity =
             self.velocity_from_position * y + self.velocity_from_velocity * z + self.position_from_velocity * forcing;
-    }
-
-    /// [`apply`](Self::apply) with the goal at nought, without forcing.
-    #[inline]
-    pub(crate) fn fade(&self, state: &mut MovementState<T>) {
-        let MovementState { position: y, scaled_velocity: z } = *state;
-        state.position = self.position_from_position * y + self.position_from_velocity * z;
-        state.scaled_velocity = self.velocity_from_position * y + self.velocity_from_velocity * z;
     }
 }

@@ -1,7 +1,8 @@
 //! The phase: one variable that falls from 1 and drives every primitive of a skill.
 //!
 //! Equation: `tau s' = -alpha_s s`, `s(0) = 1` (the paper's Eq. 4 prints no minus sign).
-//! Step (exact): `s+ = s exp(-alpha_s r h / tau)`.
+//! Step (exact): `s+ = s exp(-alpha_s r h / tau)`, in loops `s+ = s + s expm1(-alpha_s r h / tau)` with the rounding of
+//! each sum carried to the next: a skill of an hour has millions of steps.
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
@@ -19,6 +20,7 @@
 //! ```
 //! Up to its duration a movement is the paper's; after it the reference settles at the goal by its own spring.
 
+use crate::domain::DECAY;
 use crate::{ConfigError, Real, error};
 
 /// Time over which the forcing term fades to exactly zero after the duration, as a share of the duration.
@@ -47,10 +49,12 @@ impl<T: Real> Phase<T> {
     /// A phase that reaches `exp(-decay)` after `duration` [s] at the nominal rate.
     ///
     /// # Errors
-    /// [`ConfigError`] unless both are finite and positive.
+    /// [`ConfigError`] unless both lie in their [domain](crate::domain).
     pub fn new(duration: T, decay: T) -> Result<Self, ConfigError> {
-        error::positive("duration", duration)?;
+        error::size("duration", duration)?;
         error::positive("decay", decay)?;
+        let [least, most] = DECAY;
+        error::within("decay", decay, least, most)?;
         let faded = decay * T::of(1.0 + FADE);
         Ok(Self { duration, decay, end: (-decay).exp(), faded: (-faded).exp() })
     }
@@ -92,13 +96,22 @@ impl<T: Real> Phase<T> {
     /// The phase `dt` [s] later, time running at `rate`.
     #[inline]
     pub fn step(&self, phase: T, rate: T, dt: T) -> T {
-        phase * self.fall(rate, dt)
+        phase * (-self.decay * rate * dt / self.duration).exp()
     }
 
-    /// The factor by which the phase falls in `dt` [s], time running at `rate`.
+    /// By what share of itself the phase changes in `dt` [s], time running at `rate`: at most 0, accurate for short
+    /// steps of long movements.
+    ///
+    /// ```
+    /// use hpf_core::Phase;
+    /// let hour = Phase::new(3600.0_f32, 100.0_f32.ln())?;
+    /// let change = hour.change(1.0, 1e-3); // ln(100) of 3.6 million steps, less half of its square
+    /// assert!((change / -1.279_212e-6 - 1.0).abs() < 1e-6);
+    /// # Ok::<(), hpf_core::ConfigError>(())
+    /// ```
     #[inline]
-    pub fn fall(&self, rate: T, dt: T) -> T {
-        (-self.decay * rate * dt / self.duration).exp()
+    pub fn change(&self, rate: T, dt: T) -> T {
+        (-self.decay * rate * dt / self.duration).exp_m1()
     }
 
     /// The phase `time` [s] after the start at the nominal rate.

@@ -4,7 +4,7 @@ mod support;
 
 use hpf_core::Real;
 use hpf_core::admittance::step_offset;
-use hpf_core::controller::{Compliance, Controller, Damping, Event, Law, Mode, Output, Request, Settings};
+use hpf_core::controller::{AxisOutput, Compliance, Controller, Damping, Event, Law, Mode, Output, Request, Settings};
 use hpf_core::passivity::EnergyTank;
 use support::{DT, Family, Rig, skill};
 
@@ -12,7 +12,7 @@ type Arm = Rig<f64, 1>;
 
 const MODES: [Mode; 5] = [Mode::Idle, Mode::Run, Mode::Hold, Mode::Stop, Mode::Fault];
 const EVENTS: [Event; 7] =
-    [Event::Start, Event::Hold, Event::Resume, Event::Stop, Event::Reset, Event::Tripped, Event::ForceLost];
+    [Event::Start, Event::Hold, Event::Resume, Event::Stop, Event::Reset, Event::Tripped, Event::Lost];
 
 #[test]
 fn the_table_in_the_docs_is_the_table_in_the_code() {

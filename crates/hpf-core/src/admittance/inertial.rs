@@ -22,6 +22,7 @@
 //! step costs the same. The closed forms divide by the distance of two roots and lose digits where the roots meet.
 //! Gains taken at mid-step make the step second order where they vary.
 
+use crate::domain::flushed;
 use crate::{ConfigError, Real, error};
 
 /// The series serves up to this `max(2a, sqrt(w2)) h`.
@@ -63,11 +64,11 @@ impl<T: Real> Inertial<T> {
     /// A law exact for stiffness up to `stiffness` [N/m], damping up to `damping` [N s/m] and steps up to `dt` [s].
     ///
     /// # Errors
-    /// [`ConfigError`] for a mass [kg] or a dt that is not positive, for gains that are negative or not finite, and
-    /// where `max(d/m, sqrt(k/m)) dt` is above 1e15: no digit of such a step would be right.
+    /// [`ConfigError`] for a mass [kg], a dt or gains outside their [domain](crate::domain) (gains may be zero), and where
+    /// `max(d/m, sqrt(k/m)) dt` is above 1e15: no digit of such a step would be right.
     pub fn new(mass: T, stiffness: T, damping: T, dt: T) -> Result<Self, ConfigError> {
-        error::positive("mass", mass)?;
-        error::positive("dt", dt)?;
+        error::size("mass", mass)?;
+        error::size("dt", dt)?;
         error::not_negative("stiffness", stiffness)?;
         error::not_negative("damping", damping)?;
         let (m, h) = (mass.to_f64(), dt.to_f64());
@@ -121,7 +122,7 @@ impl<T: Real> Inertial<T> {
         let (g1, g2) = self.response(double_a, w2, dt);
         let OffsetMotion { offset, velocity } = *motion;
         let pull = force / self.mass - w2 * offset;
-        motion.offset = offset + velocity * g2 + pull * g1;
-        motion.velocity = velocity + (pull - double_a * velocity) * g2 - w2 * velocity * g1;
+        motion.offset = flushed(offset + velocity * g2 + pull * g1);
+        motion.velocity = flushed(velocity + (pull - double_a * velocity) * g2 - w2 * velocity * g1);
     }
 }

@@ -31,7 +31,8 @@ pub enum Request<T, const D: usize> {
     Stop,
     /// Go to another goal [axis unit].
     Goal([T; D]),
-    /// Call the present force nought; without contact, in Idle.
+    /// Call the present force zero; without contact, in Idle, where it has stood still ([`Status::tare_ready`]): the mean
+    /// of the last readings becomes [`Controller::bias`](super::Controller::bias). Refused elsewhere.
     Tare,
     /// Back to Idle at the measured position [axis unit] of a robot at rest.
     Reset([T; D]),
@@ -78,14 +79,20 @@ pub struct AxisOutput<T> {
 pub struct Status {
     /// The movement has ended: set once.
     pub ended: bool,
-    /// dt was not positive or not finite: the last command is repeated.
+    /// dt was not finite or below 1 us: the command stands still, its velocity is 0.
     pub bad_time: bool,
     /// dt was longer than allowed and was cut.
     pub long_time: bool,
-    /// The force was not finite or too old: the last good one stands in.
+    /// The force of an axis was not finite, or all of it too old: the last good one stands in.
     pub bad_force: bool,
     /// It has been for longer than may be bridged: offsets are frozen, the path comes to rest.
     pub force_lost: bool,
+    /// A measured position has been bad for longer than may be bridged: the path comes to rest.
+    pub position_lost: bool,
+    /// The rate has been bad for longer than may be bridged: the path comes to rest.
+    pub rate_lost: bool,
+    /// dt has been bad or long for more steps than may be bridged: the path comes to rest.
+    pub time_lost: bool,
     /// Rate or measured position was not finite and was not used.
     pub bad_input: bool,
     /// The request was refused.
@@ -96,12 +103,22 @@ pub struct Status {
     pub tracking_tripped: bool,
     /// The energy tank has held back stiffness, motion along the path or a force set-point.
     pub energy_short: bool,
+    /// In Idle: the force has stood still long enough for a tare.
+    pub tare_ready: bool,
+}
+
+impl Status {
+    /// Whether an input is lost: the path comes to rest, and then the mode is Fault.
+    #[inline]
+    pub fn lost(self) -> bool {
+        self.force_lost || self.position_lost || self.rate_lost || self.time_lost
+    }
 }
 
 /// How often each has happened since the controller was made; they stop at their largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Steps with a dt that was not positive or not finite.
+    /// Steps with a dt that was not finite or below 1 us.
     pub bad_time: u32,
     /// Steps with a dt that was too long.
     pub long_time: u32,

@@ -1,6 +1,6 @@
 //! The modes of a controller and the one table of its transitions.
 //!
-//! | in \ on | start | hold | resume | stop | reset | tripped | force lost |
+//! | in \ on | start | hold | resume | stop | reset | tripped | input lost |
 //! |---|---|---|---|---|---|---|---|
 //! | **Idle** | Run | - | - | Stop | Idle | Stop | Idle |
 //! | **Run** | - | Hold | Run | Stop | - | Stop | Fault |
@@ -19,9 +19,9 @@ pub enum Mode {
     Run,
     /// Pauses on the path, compliant; resumable.
     Hold,
-    /// Has come to rest on the path for good, still compliant; latched until reset.
+    /// Has come to rest on the path for good, still compliant where it has moved before; latched until reset.
     Stop,
-    /// Has come to rest, rigid, because it cannot feel; latched until reset.
+    /// Has come to rest, rigid, because an input is lost; latched until reset.
     Fault,
 }
 
@@ -40,8 +40,8 @@ pub enum Event {
     Reset,
     /// A force above its trip level, or a robot that does not follow.
     Tripped,
-    /// No usable force for longer than may be bridged, and the path is at rest.
-    ForceLost,
+    /// An input bad for longer than may be bridged, and the path is at rest.
+    Lost,
 }
 
 impl Mode {
@@ -53,15 +53,13 @@ impl Mode {
     /// assert_eq!(Mode::Fault.after(Event::Resume), None); // only a reset leaves a fault
     /// ```
     pub const fn after(self, event: Event) -> Option<Self> {
-        use Event::{ForceLost, Hold, Reset, Resume, Start, Stop, Tripped};
+        use Event::{Hold, Lost, Reset, Resume, Start, Stop, Tripped};
         match (self, event) {
             (Self::Idle, Start) => Some(Self::Run),
-            (Self::Idle, Reset | ForceLost) | (Self::Stop | Self::Fault, Reset) => Some(Self::Idle),
+            (Self::Idle, Reset | Lost) | (Self::Stop | Self::Fault, Reset) => Some(Self::Idle),
             (Self::Run | Self::Hold, Hold) => Some(Self::Hold),
             (Self::Run | Self::Hold, Resume) => Some(Self::Run),
-            (Self::Fault, Stop | Tripped | ForceLost) | (Self::Run | Self::Hold | Self::Stop, ForceLost) => {
-                Some(Self::Fault)
-            }
+            (Self::Fault, Stop | Tripped | Lost) | (Self::Run | Self::Hold | Self::Stop, Lost) => Some(Self::Fault),
             (_, Stop | Tripped) => Some(Self::Stop),
             (Self::Run | Self::Hold, Start | Reset) => None,
             (Self::Idle | Self::Stop | Self::Fault, Hold | Resume) | (Self::Stop | Self::Fault, Start) => None,

@@ -2,7 +2,8 @@
 
 use crate::admittance::Inertial;
 use crate::conditioning::ForceConditioning;
-use crate::limits::{LARGEST, Limits};
+use crate::domain::{LONGEST_HOLD, LONGEST_RAMP, LONGEST_STEP, SHORTEST_STEP};
+use crate::limits::Limits;
 use crate::passivity::EnergyTank;
 use crate::{AxisPrimitives, ConfigError, Real, error};
 
@@ -78,11 +79,11 @@ pub enum Damping<T> {
 /// Time and its faults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing<T> {
-    /// Longest step; a longer dt is cut to it [s].
+    /// Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
     pub longest_step: T,
-    /// Time for the rate to go from 0 to 1 or back [s].
+    /// Time for the rate to go from 0 to 1 or back [s]. At most 10 s: by then a stop is at rest.
     pub ramp: T,
-    /// How long the last good force may stand in for a bad one [s].
+    /// How long a bad force, measured position or rate may be bridged [s]; see [`faults`](super::faults). At most 1 s.
     pub hold: T,
     /// Oldest reading that is still good [steps].
     pub oldest_force: u32,
@@ -107,10 +108,10 @@ impl<T: Real + PartialOrd> AxisSettings<T> {
         longest_step: T,
     ) -> Result<Option<Inertial<T>>, ConfigError> {
         let Law::SecondOrder { mass, damping } = self.law else { return Ok(None) };
-        error::positive("mass", mass)?;
+        error::size("mass", mass)?;
         if let Damping::Ratio { ratio, floor } = damping {
-            error::positive("damping.ratio", ratio)?;
-            error::positive("damping.floor", floor)?;
+            error::size("damping.ratio", ratio)?;
+            error::size("damping.floor", floor)?;
         }
         let stiffness = primitives.stiffness.max();
         let largest = damping.at(mass, stiffness, primitives.damping.max());
@@ -147,15 +148,16 @@ impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
     ) -> Result<[Option<Inertial<T>>; D], ConfigError> {
         let Timing { longest_step, ramp, hold, .. } = self.timing;
         error::positive("timing.longest_step", longest_step)?;
-        error::within("timing.longest_step", longest_step, 0.0, LARGEST)?;
+        error::within("timing.longest_step", longest_step, SHORTEST_STEP, LONGEST_STEP)?;
         error::positive("timing.ramp", ramp)?;
-        error::not_negative("timing.hold", hold)?;
+        error::within("timing.ramp", ramp, 0.0, LONGEST_RAMP)?;
+        error::within("timing.hold", hold, 0.0, LONGEST_HOLD)?;
         self.conditioning.check()?;
         let mut laws = [None; D];
         for ((law, axis), primitives) in laws.iter_mut().zip(&self.axes).zip(primitives) {
             axis.limits.check()?;
-            error::positive("trip_force", axis.trip_force)?;
-            error::positive("tracking", axis.tracking)?;
+            error::size("trip_force", axis.trip_force)?;
+            error::size("tracking", axis.tracking)?;
             if let Compliance::Press(setpoint) = axis.compliance {
                 let largest = axis.limits.force.to_f64();
                 error::within("press", setpoint, -largest, largest)?;

@@ -1,19 +1,26 @@
-//! One step of a controller: force, rate, reference, offset, limits and the books of energy.
+//! One step of a controller: rate, reference, offset, limits and the books of energy.
 
-use super::exchange::count;
 use super::reference::Course;
-use super::{Compliance, Controller, Event, Input, Law, Mode, Settings};
+use super::{Compliance, Controller, Input, Law, Mode};
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
+use crate::compensated::accumulate;
 use crate::controller::AxisOutput;
-use crate::limits::{Hits, LARGEST, brake, cut};
+use crate::limits::{Hits, brake, cut};
+use crate::movement::Increment;
 use crate::passivity::{EnergyTank, kinetic_energy, spring_energy};
-use crate::{AxisPrimitives, Real, Transition};
+use crate::{AxisPrimitives, Real};
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// One step of a `dt` that is in order.
     pub(super) fn advance(&mut self, input: &Input<T, D>, dt: T) {
         let force = self.feel(input, dt);
-        self.watch(input);
+        let blind = self.watch(input);
+        let rateless = !input.rate.is_finite();
+        if self.debts.any || self.last.status.bad_force || blind || rateless {
+            self.weigh(blind, rateless, dt);
+        }
+        // A trip or a loss in the very step of the start leaves the arm where it is.
+        self.moved |= self.last.mode == Mode::Run;
         let rate = self.next_rate(input.rate, dt);
         self.keep_pace(rate, dt);
         self.walk(force, rate, dt);
@@ -23,86 +30,6 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
     }
 
-    /// The force that the model sees, good or not.
-    fn feel(&mut self, input: &Input<T, D>, dt: T) -> [T; D] {
-        let Settings { axes, conditioning, timing, .. } = &self.settings;
-        let status = &mut self.last.status;
-        let largest = T::of(LARGEST);
-        let measured = &input.measured_force;
-        let fresh = input.force_age <= timing.oldest_force;
-        // One comparison an axis, where the reading is as it should be.
-        let usual = fresh && measured.iter().all(|force| force.abs() <= largest);
-        let good = usual || fresh && measured.iter().all(|force| force.is_finite());
-        if good {
-            self.good_force = if usual { *measured } else { measured.map(|force| cut(force, T::ZERO, largest).0) };
-            self.lost_for = T::ZERO;
-        } else {
-            self.lost_for = (self.lost_for + dt).at_most(largest);
-            status.bad_force = true;
-            status.force_lost = self.lost_for > timing.hold;
-            count(&mut self.counters.bad_force);
-        }
-        let compensated = conditioning.compensated(&self.force, self.good_force);
-        let mut forces = compensated.iter().zip(axes);
-        if good && forces.any(|(force, axis)| force.abs() > axis.trip_force) {
-            status.force_tripped = true;
-        }
-        if self.pace.dt != dt {
-            (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
-            self.pace.spends = (dt / timing.ramp).at_most(T::ONE);
-        }
-        conditioning.settle(&mut self.force, compensated, self.pace.settled)
-    }
-
-    /// Stops where a force or the robot's distance from the command is too large.
-    fn watch(&mut self, input: &Input<T, D>) {
-        if let Some(measured) = input.measured_position {
-            if measured.iter().all(|position| position.is_finite()) {
-                let gaps = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
-                self.last.status.tracking_tripped =
-                    gaps.into_iter().any(|((&at, command), axis)| (at - command.position).abs() > axis.tracking);
-            } else {
-                self.note_bad_input();
-            }
-        }
-        if self.last.status.force_tripped || self.last.status.tracking_tripped {
-            count(&mut self.counters.trips);
-            self.on(Event::Tripped);
-        }
-    }
-
-    /// Counts once a step that an input was no number.
-    #[cold]
-    fn note_bad_input(&mut self) {
-        if !self.last.status.bad_input {
-            self.last.status.bad_input = true;
-            count(&mut self.counters.bad_input);
-        }
-    }
-
-    /// The rate of time in this step, where `asked` is asked for.
-    fn next_rate(&mut self, asked: T, dt: T) -> T {
-        let mut rate = asked;
-        if !(T::ZERO..=T::ONE).contains(&asked) {
-            rate = asked.at_least(T::ZERO).at_most(T::ONE);
-            if !asked.is_finite() {
-                rate = T::ZERO;
-                self.note_bad_input();
-            }
-        }
-        if self.last.mode != Mode::Run || self.last.status.force_lost {
-            rate = T::ZERO;
-        }
-        if rate != self.last.rate {
-            let change = dt / self.settings.timing.ramp;
-            rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
-        }
-        if self.last.status.force_lost && rate <= T::ZERO {
-            self.on(Event::ForceLost);
-        }
-        rate
-    }
-
     /// Makes anew what the rate of time decides, where it or the step's length is not what it was.
     #[inline]
     fn keep_pace(&mut self, rate: T, dt: T) {
@@ -110,8 +37,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             return;
         }
         let phase = self.skill.phase();
-        (self.pace.rate, self.pace.fall) = (rate, phase.fall(rate, dt * T::of(0.5)));
-        let step = |alpha| Transition::new(alpha, rate * dt / phase.duration());
+        (self.pace.rate, self.pace.half) = (rate, phase.change(rate, dt * T::of(0.5)));
+        let step = |alpha| Increment::new(alpha, rate * dt / phase.duration());
         let mut last = None;
         for (state, AxisPrimitives { movement, .. }) in self.axes.iter_mut().zip(self.skill.axes()) {
             state.step = match last {
@@ -122,15 +49,25 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
     }
 
+    /// Whether the arm gives way to force: it has started, and feels.
+    fn gives(&self) -> bool {
+        let may = match self.last.mode {
+            Mode::Run | Mode::Hold => true,
+            Mode::Stop => self.moved,
+            Mode::Idle | Mode::Fault => false,
+        };
+        may && !self.last.status.force_lost
+    }
+
     /// Advances reference, offsets and commands.
     fn walk(&mut self, force: [T; D], rate: T, dt: T) {
         let tank = self.settings.tank.as_ref();
-        let gives = !self.last.status.force_lost && matches!(self.last.mode, Mode::Run | Mode::Hold | Mode::Stop);
-        let fall = self.pace.fall;
-        let middle = self.last.phase * fall;
+        let gives = self.gives();
+        let half = self.pace.half;
+        let middle = self.last.phase + self.last.phase * half;
 
         // Stiffness as the tank allows it; the whole step of every reference, and what it would cost.
-        let mut next = [Course::AT_GOAL; D];
+        let mut next = [Course::NONE; D];
         let mut share = T::ONE;
         let mut cost = T::ZERO;
         let mut short = false;
@@ -155,7 +92,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             }
 
             *next = state.reference.ahead(&state.step, profile.forcing);
-            let distance = state.reference.distance(next);
+            let distance = next.distance();
             let farthest = settings.limits.velocity * dt;
             if distance.abs() > farthest {
                 share = lesser(share, farthest, distance.abs());
@@ -171,7 +108,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             }
             left = left - (share * cost).at_least(T::ZERO);
         }
-        self.last.phase += share * (middle * fall - self.last.phase);
+        let change = share * ((self.last.phase + middle) * half);
+        accumulate(&mut self.last.phase, &mut self.phase_remainder, change);
         self.last.rate = rate * share;
 
         let mut balance = T::ZERO;
@@ -183,7 +121,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 let spring = spring_energy(stiffness, at.offset);
                 law.map_or(spring, |law| spring + kinetic_energy(law.mass(), at.velocity))
             };
-            let travel = share * state.reference.distance(next);
+            let travel = share * next.distance();
             state.reference.go(next, share);
 
             let before = state.offset;

@@ -54,10 +54,10 @@ impl<T: Real> EnergyTank<T> {
     /// `0 <= refill <= 1`.
     pub fn new(capacity: T, reserve: T, refill: T, power: T) -> Result<Self, ConfigError> {
         Ok(Self {
-            capacity: error::positive("tank.capacity", capacity)?,
+            capacity: error::size("tank.capacity", capacity)?,
             reserve: error::within("tank.reserve", reserve, 0.0, capacity.to_f64())?,
             refill: error::within("tank.refill", refill, 0.0, 1.0)?,
-            power: error::positive("tank.power", power)?,
+            power: error::size("tank.power", power)?,
         })
     }
 

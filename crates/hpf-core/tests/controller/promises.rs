@@ -41,7 +41,7 @@ fn the_controller_goes_through_that_table_and_no_other() {
                 Event::Resume => Some(Request::Resume),
                 Event::Stop => Some(Request::Stop),
                 Event::Reset => Some(Request::Reset([0.1])),
-                Event::Tripped | Event::ForceLost => None,
+                Event::Tripped | Event::Lost => None,
             };
             let output = match request {
                 Some(request) => rig.ask(request),
@@ -227,16 +227,19 @@ fn too_much_force_or_too_little_obedience_stops() {
 }
 
 #[test]
-fn a_bad_time_repeats_the_command_and_a_long_one_is_cut() {
+fn a_bad_time_stands_still_and_a_long_one_is_cut() {
     let mut rig = Arm::started(FAMILY, settings(), 2.0);
     let before = rig.run(0.5);
     for dt in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         rig.dt = dt;
         let output = rig.step();
         assert!(output.status.bad_time);
-        assert_eq!((output.axes, output.phase), (before.axes, before.phase));
+        let still = before.axes.map(|axis| AxisOutput { velocity: 0.0, ..axis });
+        assert_eq!((output.axes, output.phase, output.rate), (still, before.phase, 0.0));
     }
     assert_eq!(rig.controller.counters().bad_time, 4);
+    let mut rig = Arm::started(FAMILY, settings(), 2.0);
+    rig.run(0.5);
     let mut other = Arm::started(FAMILY, settings(), 2.0);
     other.run(0.5);
     (rig.dt, other.dt) = (5.0, 0.01);
@@ -276,7 +279,7 @@ fn bad_settings_are_refused_whole() {
         ),
         (with(&|s| s.axes[0].compliance = Compliance::Press(60.0)), "press must lie in [-50, 50], not 60"),
         (with(&|s| s.axes[0].limits.position = [0.31, 0.5]), "goal must lie in [0.31, 0.5], not 0.3"),
-        (with(&|s| s.conditioning.dead_zone = [-1.0]), "conditioning.dead_zone must lie in [0, inf], not -1"),
+        (with(&|s| s.conditioning.dead_zone = [-1.0]), "conditioning.dead_zone must lie in [0, 1000000000], not -1"),
     ];
     let count = refused.len() as u32;
     for (settings, text) in refused {
@@ -457,6 +460,8 @@ fn requests_that_make_no_sense_are_refused() {
     let mut rig = in_mode(Mode::Idle);
     rig.input.measured_force = [3.0];
     rig.step();
+    assert!(rig.ask(Request::Tare).status.refused, "it has not stood still for long enough");
+    rig.run(0.5);
     assert!(!rig.ask(Request::Tare).status.refused);
     rig.ask(Request::Start);
     assert!(rig.run(1.0).axes[0].offset.abs() < 1e-15, "3 N of bias are gone");

@@ -1,0 +1,24 @@
+//! Sums of many small changes: what rounding takes from one change is carried to the next.
+//!
+//! `sum = value + (change + remainder)`, `remainder = (change + remainder) - (sum - value)` (Kahan, Communications of the
+//! ACM 8(1):40, 1965): a long skill in single precision makes millions of steps, each of which a plain sum would round by
+//! as much as a hundredth of the step.
+
+use crate::Real;
+use crate::domain::flushed;
+
+/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far. What dies away becomes zero.
+#[inline(always)]
+pub(crate) fn accumulate<T: Real>(value: &mut T, remainder: &mut T, change: T) {
+    let change = change + *remainder;
+    let sum = *value + change;
+    *remainder = flushed(change - (sum - *value));
+    *value = flushed(sum);
+}
+
+/// `a + b`, and what rounding takes from it, whichever is larger (Knuth's two-sum).
+pub(crate) fn two_sum<T: Real>(a: T, b: T) -> (T, T) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}

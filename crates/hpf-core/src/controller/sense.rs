@@ -1,0 +1,218 @@
+//! What comes in: force, position, rate and time, good or bad, by the one table of [`faults`](super::faults).
+
+use super::exchange::count;
+use super::faults::CLOCK_STEPS;
+use super::{Controller, Event, Input, Mode, Settings, Timing};
+use crate::Real;
+use crate::domain::{LARGEST, SHORTEST_STEP};
+use crate::limits::cut;
+
+impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
+    /// The length of a step of `dt`, if it is one.
+    #[inline]
+    pub(super) fn heed(&mut self, dt: T) -> Option<T> {
+        let longest = self.settings.timing.longest_step;
+        if dt >= T::of(SHORTEST_STEP) && dt <= longest {
+            return Some(dt);
+        }
+        self.mistrust(dt, longest)
+    }
+
+    /// The same of a `dt` that is not in order.
+    #[cold]
+    fn mistrust(&mut self, dt: T, longest: T) -> Option<T> {
+        let long = dt.is_finite() && dt > longest;
+        let bad = if long { (dt / longest - T::ONE).at_most(T::ONE) } else { T::ONE };
+        let still = self.last.mode == Mode::Idle;
+        let steps = T::of(CLOCK_STEPS);
+        self.debts.clock.owe(bad, steps, steps + T::ONE, still);
+        self.debts.any = true;
+        if long {
+            self.last.status.long_time = true;
+            count(&mut self.counters.long_time);
+            return Some(longest);
+        }
+        self.last.status.bad_time = true;
+        count(&mut self.counters.bad_time);
+        None
+    }
+
+    /// A step of no time: the command stands still. What comes in is looked at all the same.
+    #[cold]
+    pub(super) fn stand(&mut self, input: &Input<T, D>) {
+        self.last.rate = T::ZERO;
+        for (state, command) in self.axes.iter_mut().zip(&mut self.last.axes) {
+            state.offset.velocity = T::ZERO;
+            command.velocity = T::ZERO;
+        }
+        self.read(input);
+        let blind = self.watch(input);
+        let rateless = !input.rate.is_finite();
+        if rateless {
+            self.note_bad_input();
+        }
+        self.weigh(blind, rateless, T::ZERO);
+        if self.last.status.lost() {
+            self.on(Event::Lost);
+        }
+    }
+
+    /// The force that the model sees, good or not.
+    pub(super) fn feel(&mut self, input: &Input<T, D>, dt: T) -> [T; D] {
+        let compensated = self.read(input);
+        let Settings { axes, conditioning, timing, .. } = &self.settings;
+        if self.last.mode == Mode::Idle {
+            if self.last.status.bad_force {
+                self.tare = Default::default();
+            } else {
+                self.tare.observe(compensated, axes.each_ref().map(|axis| axis.limits.force), dt);
+            }
+            self.last.status.tare_ready = self.tare.mean().is_some();
+        }
+        if self.pace.dt != dt {
+            (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
+            self.pace.spends = (dt / timing.ramp).at_most(T::ONE);
+        }
+        conditioning.settle(&mut self.force, compensated, self.pace.settled)
+    }
+
+    /// Reads the force; returns it compensated [N], the last good one where it is bad.
+    #[inline]
+    fn read(&mut self, input: &Input<T, D>) -> [T; D] {
+        let Settings { axes, conditioning, timing, .. } = &self.settings;
+        let largest = T::of(LARGEST);
+        let measured = &input.measured_force;
+        // One comparison an axis, where the reading is as it should be.
+        let usual = input.force_age <= timing.oldest_force && measured.iter().all(|force| force.abs() <= largest);
+        if !usual {
+            return self.read_in_part(input);
+        }
+        self.good_force = *measured;
+        let compensated = conditioning.compensated(&self.force, self.good_force);
+        if compensated.iter().zip(axes).any(|(force, axis)| force.abs() > axis.trip_force) {
+            self.last.status.force_tripped = true;
+        }
+        compensated
+    }
+
+    /// The same of a reading that is bad or huge: each axis by itself.
+    #[cold]
+    fn read_in_part(&mut self, input: &Input<T, D>) -> [T; D] {
+        let Settings { axes, conditioning, timing, .. } = &self.settings;
+        let fresh = input.force_age <= timing.oldest_force;
+        let good = input.measured_force.map(|force| fresh && force.is_finite());
+        for ((last, &force), _) in
+            self.good_force.iter_mut().zip(&input.measured_force).zip(good).filter(|(_, good)| *good)
+        {
+            *last = cut(force, T::ZERO, T::of(LARGEST)).0;
+        }
+        if good.contains(&false) {
+            self.last.status.bad_force = true;
+            count(&mut self.counters.bad_force);
+        }
+        let compensated = conditioning.compensated(&self.force, self.good_force);
+        let mut readings = compensated.iter().zip(axes).zip(good);
+        if readings.any(|((force, axis), good)| good && force.abs() > axis.trip_force) {
+            self.last.status.force_tripped = true;
+        }
+        compensated
+    }
+
+    /// Stops where a force or the robot's distance from the command is too large. Returns whether a position is bad.
+    pub(super) fn watch(&mut self, input: &Input<T, D>) -> bool {
+        let mut blind = false;
+        if let Some(measured) = &input.measured_position {
+            let gaps = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
+            let mut gaps = gaps.map(|((&at, command), axis)| ((at - command.position).abs(), axis.tracking));
+            if !gaps.all(|(gap, most)| gap <= most) {
+                blind = self.look_in_part(measured);
+            }
+        }
+        if self.last.status.force_tripped || self.last.status.tracking_tripped {
+            count(&mut self.counters.trips);
+            self.on(Event::Tripped);
+        }
+        blind
+    }
+
+    /// Looks at positions of which one is bad or far off, each axis by itself. Returns whether one is bad.
+    #[cold]
+    fn look_in_part(&mut self, measured: &[T; D]) -> bool {
+        let axes = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
+        let (mut blind, mut far) = (false, false);
+        for ((&at, command), axis) in axes {
+            if at.is_finite() {
+                far |= (at - command.position).abs() > axis.tracking;
+            } else {
+                blind = true;
+            }
+        }
+        self.last.status.tracking_tripped = far;
+        if blind {
+            self.note_bad_input();
+        }
+        blind
+    }
+
+    /// Counts once a step that an input was no number.
+    #[cold]
+    fn note_bad_input(&mut self) {
+        if !self.last.status.bad_input {
+            self.last.status.bad_input = true;
+            count(&mut self.counters.bad_input);
+        }
+    }
+
+    /// Books what was bad in a step of `dt`, and what was good.
+    #[cold]
+    pub(super) fn weigh(&mut self, blind: bool, rateless: bool, dt: T) {
+        let Timing { hold, ramp, longest_step, .. } = self.settings.timing;
+        let still = self.last.mode == Mode::Idle;
+        let (debts, status) = (&mut self.debts, &mut self.last.status);
+        let inputs = [(&mut debts.force, status.bad_force), (&mut debts.position, blind), (&mut debts.rate, rateless)];
+        for (debt, bad) in inputs {
+            if bad {
+                debt.owe(dt, hold, ramp + longest_step, still);
+            } else {
+                debt.pay(dt, still);
+            }
+        }
+        if !status.bad_time && !status.long_time {
+            debts.clock.pay(T::ONE, still);
+        }
+        debts.sum_up();
+        let steps = T::of(CLOCK_STEPS);
+        status.force_lost = debts.force.lost(hold);
+        status.position_lost = debts.position.lost(hold);
+        status.rate_lost = debts.rate.lost(hold);
+        status.time_lost = debts.clock.lost(steps);
+        let measured = [debts.force, debts.position, debts.rate];
+        if debts.clock.hopeless(steps, steps) || measured.into_iter().any(|debt| debt.hopeless(hold, ramp)) {
+            self.on(Event::Lost);
+        }
+    }
+
+    /// The rate of time in this step, where `asked` is asked for.
+    pub(super) fn next_rate(&mut self, asked: T, dt: T) -> T {
+        let mut rate = asked;
+        if !(T::ZERO..=T::ONE).contains(&asked) {
+            rate = asked.at_least(T::ZERO).at_most(T::ONE);
+            if !asked.is_finite() {
+                rate = T::ZERO;
+                self.note_bad_input();
+            }
+        }
+        let lost = self.debts.any && self.last.status.lost();
+        if self.last.mode != Mode::Run || lost {
+            rate = T::ZERO;
+        }
+        if rate != self.last.rate {
+            let change = dt / self.settings.timing.ramp;
+            rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
+        }
+        if lost && rate <= T::ZERO {
+            self.on(Event::Lost);
+        }
+        rate
+    }
+}
