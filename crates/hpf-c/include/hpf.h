@@ -211,7 +211,7 @@
 #define HPF_GOAL 5
 
 /*
- Request: call the present force nought; without contact, in Idle.
+ Request: call the present force zero; without contact, in Idle, once HPF_TARE_READY is set; refused before.
  */
 #define HPF_TARE 6
 
@@ -236,12 +236,12 @@
 #define HPF_MODE_HOLD 2
 
 /*
- Mode: has come to rest for good, still compliant; latched until reset.
+ Mode: has come to rest for good, still compliant where it has moved before; latched until reset.
  */
 #define HPF_MODE_STOP 3
 
 /*
- Mode: has come to rest, rigid, because it cannot feel; latched until reset.
+ Mode: has come to rest, rigid, because an input is lost; latched until reset.
  */
 #define HPF_MODE_FAULT 4
 
@@ -251,7 +251,7 @@
 #define HPF_ENDED 1
 
 /*
- Flag of an output: dt was not positive or not finite, the last command is repeated.
+ Flag of an output: dt was not finite or below 1 us, the command stands still.
  */
 #define HPF_BAD_TIME 2
 
@@ -261,7 +261,7 @@
 #define HPF_LONG_TIME 4
 
 /*
- Flag of an output: the force was not finite or too old, the last good one stands in.
+ Flag of an output: the force of an axis was not finite, or all of it too old; the last good one stands in.
  */
 #define HPF_BAD_FORCE 8
 
@@ -296,6 +296,26 @@
 #define HPF_ENERGY_SHORT 512
 
 /*
+ Flag of an output: a measured position has been bad for longer than may be bridged; the path comes to rest.
+ */
+#define HPF_POSITION_LOST 1024
+
+/*
+ Flag of an output: the rate has been bad for longer than may be bridged; the path comes to rest.
+ */
+#define HPF_RATE_LOST 2048
+
+/*
+ Flag of an output: dt has been bad or long for more steps than may be bridged; the path comes to rest.
+ */
+#define HPF_TIME_LOST 4096
+
+/*
+ Flag of an output, in Idle: the force has stood still long enough for HPF_TARE.
+ */
+#define HPF_TARE_READY 8192
+
+/*
  Limit that has cut a command: the force into the model.
  */
 #define HPF_HIT_FORCE 1
@@ -328,22 +348,22 @@
 /*
  Upper bound of what a single-precision controller needs beside its axes and lists.
  */
-#define HPF_F32_BYTES_BASE 416
+#define HPF_F32_BYTES_BASE 512
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F32_BYTES_PER_AXIS 256
+#define HPF_F32_BYTES_PER_AXIS 296
 
 /*
  Upper bound of what a double-precision controller needs beside its axes and lists.
  */
-#define HPF_F64_BYTES_BASE 576
+#define HPF_F64_BYTES_BASE 736
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F64_BYTES_PER_AXIS 448
+#define HPF_F64_BYTES_PER_AXIS 528
 
 /*
  A controller in the caller's memory; opaque to C.
@@ -616,15 +636,15 @@ typedef struct hpf_f64_settings_t {
    */
   double tank_power;
   /*
-   Longest step; a longer dt is cut to it [s].
+   Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
    */
   double longest_step;
   /*
-   Time for the rate to go from 0 to 1 or back [s].
+   Time for the rate to go from 0 to 1 or back [s]. At most 10 s.
    */
   double ramp;
   /*
-   How long the last good force may stand in for a bad one [s].
+   How long a bad force, measured position or rate may be bridged [s]. At most 1 s.
    */
   double hold;
   /*
@@ -810,7 +830,7 @@ typedef struct hpf_counters_t {
    */
   uint32_t abi_version;
   /*
-   Steps with a dt that was not positive or not finite.
+   Steps with a dt that was not finite or below 1 us.
    */
   uint32_t bad_time;
   /*
@@ -1094,15 +1114,15 @@ typedef struct hpf_f32_settings_t {
    */
   float tank_power;
   /*
-   Longest step; a longer dt is cut to it [s].
+   Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
    */
   float longest_step;
   /*
-   Time for the rate to go from 0 to 1 or back [s].
+   Time for the rate to go from 0 to 1 or back [s]. At most 10 s.
    */
   float ramp;
   /*
-   How long the last good force may stand in for a bad one [s].
+   How long a bad force, measured position or rate may be bridged [s]. At most 1 s.
    */
   float hold;
   /*
@@ -1294,8 +1314,8 @@ int32_t hpf_f64_size(const struct hpf_f64_instance_t *instance, const struct hpf
 
 /*
  Writes settings to start from: every axis gives way by the first-order law, no filter, no tank; trips at twice the
- force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms the
- last good force stands in for one that is bad or more than 4 steps old. `limits`: one per axis.
+ force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms a
+ bad input is bridged; a force more than 4 steps old is bad. `limits`: one per axis.
  */
 int32_t hpf_f64_compliant(struct hpf_f64_settings_t *settings, uint32_t axes, const struct hpf_f64_limits_t *limits);
 
@@ -1339,6 +1359,12 @@ int32_t hpf_f64_output(const struct hpf_f64_controller_t *controller, struct hpf
  Writes how often what has gone wrong.
  */
 int32_t hpf_f64_counters(const struct hpf_f64_controller_t *controller, struct hpf_counters_t *counters);
+
+/*
+ Writes to `bias` (one number per axis) the force that is called zero, beside the tool's weight: what the last tare has
+ found [N].
+ */
+int32_t hpf_f64_bias(const struct hpf_f64_controller_t *controller, double *bias);
 
 /*
  The instance for one axis in single precision.
@@ -1388,8 +1414,8 @@ int32_t hpf_f32_size(const struct hpf_f32_instance_t *instance, const struct hpf
 
 /*
  Writes settings to start from: every axis gives way by the first-order law, no filter, no tank; trips at twice the
- force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms the
- last good force stands in for one that is bad or more than 4 steps old. `limits`: one per axis.
+ force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms a
+ bad input is bridged; a force more than 4 steps old is bad. `limits`: one per axis.
  */
 int32_t hpf_f32_compliant(struct hpf_f32_settings_t *settings, uint32_t axes, const struct hpf_f32_limits_t *limits);
 
@@ -1433,6 +1459,12 @@ int32_t hpf_f32_output(const struct hpf_f32_controller_t *controller, struct hpf
  Writes how often what has gone wrong.
  */
 int32_t hpf_f32_counters(const struct hpf_f32_controller_t *controller, struct hpf_counters_t *counters);
+
+/*
+ Writes to `bias` (one number per axis) the force that is called zero, beside the tool's weight: what the last tare has
+ found [N].
+ */
+int32_t hpf_f32_bias(const struct hpf_f32_controller_t *controller, float *bias);
 
 #ifdef __cplusplus
 }  // extern "C"

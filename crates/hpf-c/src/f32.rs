@@ -75,8 +75,8 @@ pub unsafe extern "C" fn hpf_f32_size(
 }
 
 /// Writes settings to start from: every axis gives way by the first-order law, no filter, no tank; trips at twice the
-/// force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms the
-/// last good force stands in for one that is bad or more than 4 steps old. `limits`: one per axis.
+/// force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms a
+/// bad input is bridged; a force more than 4 steps old is bad. `limits`: one per axis.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hpf_f32_compliant(settings: *mut Settings<f32>, axes: u32, limits: *const Limits<f32>) -> i32 {
     // SAFETY: as above.
@@ -138,4 +138,12 @@ pub unsafe extern "C" fn hpf_f32_output(controller: *const Handle<f32>, output: 
 pub unsafe extern "C" fn hpf_f32_counters(controller: *const Handle<f32>, counters: *mut Counters) -> i32 {
     // SAFETY: as above.
     unsafe { instance::counters(controller, counters) }
+}
+
+/// Writes to `bias` (one number per axis) the force that is called zero, beside the tool's weight: what the last tare has
+/// found [N].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn hpf_f32_bias(controller: *const Handle<f32>, bias: *mut f32) -> i32 {
+    // SAFETY: as above.
+    unsafe { instance::bias(controller, bias) }
 }

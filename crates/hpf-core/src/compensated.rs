@@ -5,15 +5,28 @@
 //! as much as a hundredth of the step.
 
 use crate::Real;
-use crate::domain::flushed;
+use crate::domain::{TINY, tiny_phase};
 
-/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far. What dies away becomes zero.
+/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far; what is below `tiny` is zero.
 #[inline(always)]
-pub(crate) fn accumulate<T: Real>(value: &mut T, remainder: &mut T, change: T) {
+fn add<T: Real>(value: &mut T, remainder: &mut T, change: T, tiny: T) {
+    let flushed = |x: T| x.abs().select_below(tiny, T::ZERO, x);
     let change = change + *remainder;
     let sum = *value + change;
     *remainder = flushed(change - (sum - *value));
     *value = flushed(sum);
+}
+
+/// Adds `change` to a motion's `value`, of which `remainder` has been lost in rounding so far. What dies away becomes zero.
+#[inline(always)]
+pub(crate) fn accumulate<T: Real>(value: &mut T, remainder: &mut T, change: T) {
+    add(value, remainder, change, T::of(TINY));
+}
+
+/// The same for a phase, which counts down to smaller numbers.
+#[inline(always)]
+pub(crate) fn accumulate_phase<T: Real>(phase: &mut T, remainder: &mut T, change: T) {
+    add(phase, remainder, change, tiny_phase());
 }
 
 /// `a + b`, and what rounding takes from it, whichever is larger (Knuth's two-sum).

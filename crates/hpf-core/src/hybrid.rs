@@ -11,7 +11,7 @@
 //! Phase and reference are sums of changes whose rounding is carried on: single precision serves skills of hours.
 
 use crate::admittance::step_offset;
-use crate::compensated::accumulate;
+use crate::compensated::{accumulate, accumulate_phase};
 use crate::domain::LARGEST;
 use crate::movement::Increment;
 use crate::{Basis, ConfigError, Gain, Movement, MovementState, Phase, Real, error};
@@ -212,7 +212,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         let middle = state.phase + state.phase * half;
         let profiles = self.at(middle);
         let change = (state.phase + middle) * half;
-        accumulate(&mut state.phase, &mut state.phase_remainder, change);
+        accumulate_phase(&mut state.phase, &mut state.phase_remainder, change);
 
         let mut commands =
             [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];

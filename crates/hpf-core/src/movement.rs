@@ -22,7 +22,7 @@ mod increment;
 
 pub(crate) use increment::Increment;
 
-use crate::domain::{ALPHA, LARGEST};
+use crate::domain::{ALPHA, LARGEST, LARGEST_FORCING, single};
 use crate::{ConfigError, Real, error};
 
 /// Spring factor alpha where nothing else is asked for.
@@ -53,7 +53,7 @@ impl<T: Real, S: AsRef<[T]>> Movement<T, S> {
         error::number("forcing_scale", forcing_scale)?;
         let largest = weights.as_ref().iter().fold(T::ZERO, |largest, weight| largest.max(weight.abs()));
         error::within("movement.weights", largest, 0.0, LARGEST)?;
-        error::within("forcing_scale times weights", forcing_scale.abs() * largest, 0.0, LARGEST)?;
+        error::within("forcing_scale times weights", forcing_scale.abs() * largest, 0.0, LARGEST_FORCING)?;
         Ok(Self { start, goal, alpha, forcing_scale, weights })
     }
 
@@ -163,8 +163,7 @@ impl<T: Real> Response<T> {
         let decay = T::ONE - settled;
         // 1 - E from expm1 keeps the digits that 1 - (1+u) E cancels.
         let closed = || (settled - u * decay) / (p * p);
-        let single = (T::ONE + T::of(1e-12)).to_f64() <= 1.0;
-        let terms = SERIES.iter().take(if single { SINGLE_TERMS } else { SERIES.len() });
+        let terms = SERIES.iter().take(if single::<T>() { SINGLE_TERMS } else { SERIES.len() });
         let series = || dth * dth * terms.rev().fold(T::ZERO, |sum, &c| sum * u + T::of(c));
         Self { dth, p, u, settled, decay, g1: u.choose_below(T::of(SERIES_BELOW), series, closed) }
     }

@@ -20,7 +20,7 @@
 //! ```
 //! Up to its duration a movement is the paper's; after it the reference settles at the goal by its own spring.
 
-use crate::domain::DECAY;
+use crate::domain::{DECAY, DECAY_SINGLE, single};
 use crate::{ConfigError, Real, error};
 
 /// Time over which the forcing term fades to exactly zero after the duration, as a share of the duration.
@@ -53,7 +53,7 @@ impl<T: Real> Phase<T> {
     pub fn new(duration: T, decay: T) -> Result<Self, ConfigError> {
         error::size("duration", duration)?;
         error::positive("decay", decay)?;
-        let [least, most] = DECAY;
+        let [least, most] = if single::<T>() { DECAY_SINGLE } else { DECAY };
         error::within("decay", decay, least, most)?;
         let faded = decay * T::of(1.0 + FADE);
         Ok(Self { duration, decay, end: (-decay).exp(), faded: (-faded).exp() })

@@ -3,7 +3,7 @@
 use super::reference::Course;
 use super::{Compliance, Controller, Input, Law, Mode};
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
-use crate::compensated::accumulate;
+use crate::compensated::accumulate_phase;
 use crate::controller::AxisOutput;
 use crate::limits::{Hits, brake, cut};
 use crate::movement::Increment;
@@ -109,7 +109,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             left = left - (share * cost).at_least(T::ZERO);
         }
         let change = share * ((self.last.phase + middle) * half);
-        accumulate(&mut self.last.phase, &mut self.phase_remainder, change);
+        accumulate_phase(&mut self.last.phase, &mut self.phase_remainder, change);
         self.last.rate = rate * share;
 
         let mut balance = T::ZERO;
