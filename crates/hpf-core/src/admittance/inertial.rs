@@ -64,13 +64,14 @@ impl<T: Real> Inertial<T> {
     /// A law exact for stiffness up to `stiffness` [N/m], damping up to `damping` [N s/m] and steps up to `dt` [s].
     ///
     /// # Errors
-    /// [`ConfigError`] for a mass [kg], a dt or gains outside their [domain](crate::domain) (gains may be zero), and where
-    /// `max(d/m, sqrt(k/m)) dt` is above 1e15: no digit of such a step would be right.
+    /// [`ConfigError`] for a mass [kg] outside its [domain](crate::domain), a dt that is not positive, gains that are
+    /// negative or not finite, and where `max(d/m, sqrt(k/m)) dt` is above 1e15: no digit of such a step would be right.
     pub fn new(mass: T, stiffness: T, damping: T, dt: T) -> Result<Self, ConfigError> {
         error::size("mass", mass)?;
-        error::size("dt", dt)?;
-        error::not_negative("stiffness", stiffness)?;
-        error::not_negative("damping", damping)?;
+        error::positive("dt", dt)?;
+        // Of a tool in contact: that of the environment is in them, which is bounded by the reach alone.
+        error::within("stiffness", stiffness, 0.0, f64::INFINITY)?;
+        error::within("damping", damping, 0.0, f64::INFINITY)?;
         let (m, h) = (mass.to_f64(), dt.to_f64());
         let reach = (damping.to_f64() / m).max(libm::sqrt(stiffness.to_f64() / m)) * h;
         let halvings = (0..=MOST_HALVINGS).find(|&n| libm::scalbn(SERIES_UP_TO, n.cast_signed()) >= reach);
