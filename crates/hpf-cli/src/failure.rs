@@ -33,6 +33,8 @@ pub enum Failure {
     Report(String),
     /// The work itself failed.
     Work(String),
+    /// It was asked to end, and has no results to show.
+    Interrupted(String),
 }
 
 impl Failure {
@@ -42,6 +44,7 @@ impl Failure {
             Self::Input(message) => Self::Input(format!("{message}\n{line}")),
             Self::Report(message) => Self::Report(format!("{message}\n{line}")),
             Self::Work(message) => Self::Work(format!("{message}\n{line}")),
+            Self::Interrupted(message) => Self::Interrupted(format!("{message}\n{line}")),
         }
     }
 
@@ -50,6 +53,7 @@ impl Failure {
         match self {
             Self::Input(_) | Self::Report(_) => ExitCode::from(2),
             Self::Work(_) => ExitCode::from(1),
+            Self::Interrupted(_) => ExitCode::from(130),
         }
     }
 }
@@ -58,6 +62,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Input(message) | Self::Work(message) => write!(f, "error: {message}"),
+            Self::Interrupted(message) => write!(f, "interrupted: {message}"),
             Self::Report(report) => f.write_str(report),
         }
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf, is_separator};
 use hpf_sim::Policy;
 use hpf_sim::environment::Disturbance;
 use hpf_sim::environment::disturbance::Samples;
-use hpf_sim::task::{MAX_TASK_BYTES, Task};
+use hpf_sim::task::{Environment, MAX_TASK_BYTES, Process, Task};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
@@ -25,6 +25,20 @@ pub struct LoadedTask {
     pub task: Task,
     /// The text it comes from, overrides applied.
     pub text: String,
+}
+
+impl LoadedTask {
+    /// SHA-256 of what decides the results: the text, of a task that a process runs without the keys that say how its
+    /// rollouts are made ([`Process::HOW`]).
+    pub fn sha256(&self) -> String {
+        match &self.task.environment {
+            None => sha256(&self.text),
+            Some(_) => {
+                let text = overrides::without(&self.text, "environment", &Process::HOW);
+                sha256(&text.expect("what was read as TOML is TOML"))
+            }
+        }
+    }
 }
 
 /// Puts the name of a file before an error of the data in it.
@@ -100,6 +114,12 @@ pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failur
         if let Disturbance::Table(table) = disturbance {
             table.samples = read_table(&folder.join(&table.file))?;
         }
+    }
+    if let Some(Environment::Process(process)) = &mut task.environment {
+        let place = folder.join(process.folder.as_deref().unwrap_or_default());
+        // Where the working folder cannot be told, the path stays what it is, and the program says what is missing.
+        let place = if place.as_os_str().is_empty() { PathBuf::from(".") } else { place };
+        process.folder = Some(std::path::absolute(&place).unwrap_or(place).display().to_string());
     }
     Ok(LoadedTask { task, text })
 }

@@ -1,21 +1,54 @@
-//! Ctrl-C: asked once, work ends where it is whole, after the running update; asked twice, the program ends.
+//! Ctrl-C, and the signals that ask a program to end (SIGTERM, SIGHUP): asked once, work ends where it is whole; asked
+//! twice, the program ends, and what must be ended before it is ended without patience.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicUsize, Ordering};
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+/// How often it was asked.
+static ASKED: AtomicUsize = AtomicUsize::new(0);
+/// How many must end something before the program may end.
+static HELD: AtomicUsize = AtomicUsize::new(0);
+/// The exit code of a program that was asked to end.
+const CODE: i32 = 130;
 
-/// From now on Ctrl-C is only noted, the second time it ends the program.
+/// From now on a signal is only noted; the second time it ends the program, or has what holds it end at once; the third
+/// time it ends the program in any case.
 pub fn watch() {
     let handler = || {
-        if ASKED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+        let before = ASKED.fetch_add(1, Ordering::SeqCst);
+        let most = if HELD.load(Ordering::SeqCst) > 0 { 2 } else { 1 };
+        if before >= most {
+            std::process::exit(CODE);
         }
     };
-    // Without a handler Ctrl-C still ends the program: nothing under a final name is half-written.
+    // Without a handler a signal still ends the program: nothing under a final name is half-written.
     let _ = ctrlc::set_handler(handler);
 }
 
-/// Whether Ctrl-C was pressed.
+/// Whether the program was asked to end.
 pub fn is_asked() -> bool {
-    ASKED.load(Ordering::Relaxed)
+    ASKED.load(Ordering::SeqCst) > 0
+}
+
+/// Whether it was asked again.
+pub fn is_urgent() -> bool {
+    ASKED.load(Ordering::SeqCst) > 1
+}
+
+/// Something that must be ended before the program may end.
+pub struct Hold(());
+
+impl Hold {
+    /// From now on, until it is dropped.
+    pub fn new() -> Self {
+        HELD.fetch_add(1, Ordering::SeqCst);
+        Self(())
+    }
+}
+
+impl Drop for Hold {
+    fn drop(&mut self) {
+        if HELD.fetch_sub(1, Ordering::SeqCst) == 1 && is_urgent() {
+            std::process::exit(CODE);
+        }
+    }
 }

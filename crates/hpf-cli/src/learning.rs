@@ -37,6 +37,8 @@ pub struct Learned {
     pub failure: Option<String>,
     /// Whether its motion is only as planned, because hpf has not seen the one that was made.
     is_planned: bool,
+    /// Whether what failed may be mended, so that learning can go on.
+    is_mendable: bool,
 }
 
 /// The evaluations so far, and what is kept of them.
@@ -64,6 +66,7 @@ impl Kept<'_> {
 /// [`Failure`] where the task cannot be learned, or the folder not be written.
 pub fn learn(loaded: &LoadedTask, folder: &mut Unfinished, quiet: bool) -> Result<Learned, Failure> {
     let task = &loaded.task;
+    interrupt::watch();
     let named = folder.path(START);
     let start = start::policy(task, named.is_file().then_some(named.as_path()))?;
     let simulation = Simulation::new(&task.as_planned(), &start).map_err(|error| bad_task(task, &error))?;
@@ -84,6 +87,8 @@ pub fn learn(loaded: &LoadedTask, folder: &mut Unfinished, quiet: bool) -> Resul
             } else {
                 learned.is_planned = true;
             }
+            // An update whose motions all fail is no end of learning where a robot made them.
+            learned.is_mendable = true;
             learned
         }
     };
@@ -123,19 +128,19 @@ fn learn_in<P: Problem>(
     let mut log = log_so_far(&Head::new(task, &loaded.text, &first_policy), &kept.rows, folder)?;
     let log_path = folder.path(LOG);
 
-    interrupt::watch();
     let mut meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, quiet);
     let started = Instant::now();
     let mut driver = Driver::new(problem, session);
     let mut broken = None;
     while !(interrupt::is_asked() && driver.session().is_evaluated()) {
-        let told = driver.step();
-        if let Some(why) = failure() {
-            return Err(Failure::Work(why));
-        }
-        let told = match told {
+        let told = match driver.step() {
             Ok(Some(told)) => told,
             Ok(None) => break,
+            Err(LearnError::Stopped) => match failure() {
+                Some(why) => return Err(Failure::Work(why)),
+                None if driver.session().history().best.total.is_finite() => break,
+                None => return Err(Failure::Interrupted("no motion has a cost yet".into())),
+            },
             Err(LearnError::Update { reason, history }) => {
                 broken = Some((reason.to_string(), *history));
                 break;
@@ -159,12 +164,12 @@ fn learn_in<P: Problem>(
     };
     let Kept { rows, snapshots, .. } = kept;
     let run = Run::learned(loaded, start.clone(), simulation, &history.best, rows, snapshots);
-    Ok(Learned { run, history, metrics: Vec::new(), time, failure, is_planned: false })
+    Ok(Learned { run, history, metrics: Vec::new(), time, failure, is_planned: false, is_mendable: false })
 }
 
 /// What decides how learning goes on, besides the checkpoint: the task, its tables and the policy it starts from.
 fn inputs(loaded: &LoadedTask, folder: &Unfinished) -> Result<Vec<Input>, Failure> {
-    let mut inputs = vec![("task.toml".to_owned(), sha256(&loaded.text))];
+    let mut inputs = vec![("task.toml".to_owned(), loaded.sha256())];
     let tables = own_tables(&mut loaded.task.clone());
     inputs.extend(tables.into_iter().map(|table| (table.name, sha256(&table.csv))));
     let start = folder.path(START);
@@ -217,8 +222,8 @@ fn log_so_far(head: &Head<'_>, rows: &[LearningRow], folder: &Unfinished) -> Res
 }
 
 impl Learned {
-    /// Whether it was interrupted and can go on.
+    /// Whether it was interrupted, or what failed may be mended: it can go on.
     pub fn is_open(&self) -> bool {
-        self.failure.is_none() && self.history.stop == Stop::Asked
+        self.history.stop == Stop::Asked && (self.failure.is_none() || self.is_mendable)
     }
 }

@@ -19,6 +19,25 @@ pub fn apply(text: &str, overrides: &[String]) -> Result<String, Failure> {
     Ok(document.to_string())
 }
 
+/// `text` without `keys` of its table `table`.
+///
+/// # Errors
+/// [`Failure::Input`] where it is no TOML.
+pub fn without(text: &str, table: &str, keys: &[&str]) -> Result<String, Failure> {
+    let mut document: DocumentMut = text.parse().map_err(|error| Failure::Input(format!("{error}")))?;
+    if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
+        for key in keys {
+            table.remove(key);
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// A text as a value of TOML.
+pub fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
+
 fn set(root: &mut dyn TableLike, one: &str) -> Result<(), String> {
     let Some((path, value)) = one.split_once('=') else {
         return Err("write it as key.path=value, such as learning.updates=100".into());
@@ -111,6 +130,16 @@ mod tests {
         assert!(set_one("axis.0.name=y").contains("name = \"y\""));
         assert!(set_one("axis.0.via.1=3.5").contains("[1.0, 3.5]"));
         assert!(set_one("learning.updates=5").contains("[learning]\nupdates = 5"));
+    }
+
+    #[test]
+    fn keys_are_left_out_wherever_their_table_stands() {
+        for text in ["[a]\nb = 1\n# of c\nc = 2 # m\nd = 3\n", "[a]\nb = 1\nd = 3\n"] {
+            assert_eq!(without(text, "a", &["c", "none"]).unwrap(), "[a]\nb = 1\nd = 3\n");
+        }
+        assert_eq!(without("a = { c = 2, b = 1 }\n", "a", &["c"]).unwrap().replace(' ', ""), "a={b=1}\n");
+        assert_eq!(without(TEXT, "a", &["c"]).unwrap(), TEXT);
+        assert_eq!(quoted("a\"b\\"), "'a\"b\\'");
     }
 
     #[test]

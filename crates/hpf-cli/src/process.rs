@@ -1,22 +1,26 @@
 //! An environment that is another program: a simulator, a ROS node, a robot. See docs/process.md.
 //!
 //! hpf starts `workers` of them once and talks JSON lines with each: a rollout out, its costs or its trace back. A worker
-//! that is late, ends or answers what is no answer is replaced, and its rollout made again.
+//! that is late, ends or answers what is no answer is ended with all that it started; then it is replaced, and its rollout
+//! made again. A rollout that fails every time is given up, and learning ends where too many are.
 
+mod group;
 mod protocol;
 mod worker;
 
-use core::sync::atomic::{AtomicU64, Ordering};
+use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use core::time::Duration;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 use hpf_learn::{Block, Cost, Draws, Parameters, Problem, SignalModel};
 use hpf_sim::task::{Process as Settings, Task};
 use hpf_sim::{Policy, Simulation, Trace};
 
 use self::protocol::{Answer, Kind};
-use self::worker::Worker;
+use self::worker::{PARTING, Worker};
 use crate::failure::Failure;
+use crate::interrupt::{self, Hold};
 use crate::progress::tell;
 
 /// A task whose rollouts are made by processes.
@@ -31,8 +35,12 @@ pub struct Process<'s> {
     free: Mutex<Vec<Worker>>,
     freed: Condvar,
     next: AtomicU64,
+    /// Rollouts given up.
+    lost: AtomicUsize,
     /// Why no more rollouts are made.
     failure: Mutex<Option<String>>,
+    /// The program does not end before the workers have. Dropped last.
+    _hold: Hold,
 }
 
 /// The contents of a lock: what panicked elsewhere has left them whole.
@@ -40,36 +48,74 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Ends workers side by side, each after `patience` for it to end by itself.
+fn end_all(workers: &mut [Worker], patience: Duration) {
+    thread::scope(|scope| {
+        for worker in workers {
+            scope.spawn(move || {
+                if let Err(why) = worker.end(patience) {
+                    tell(&why);
+                }
+            });
+        }
+    });
+}
+
+/// Starts `workers` and says what all of them answer with.
+fn start_all(workers: &mut [Worker], settings: &Settings, hello: &protocol::Hello) -> Result<Kind, String> {
+    for worker in workers.iter_mut() {
+        if interrupt::is_asked() {
+            return Err("was broken off".into());
+        }
+        worker.spawn(settings, hello)?;
+    }
+    let timeout = Duration::from_secs_f64(settings.timeout);
+    let kinds = workers.iter_mut().map(|worker| worker.ready(timeout).map_err(|why| worker.blame(&why)));
+    let kinds = kinds.collect::<Result<Vec<Kind>, String>>()?;
+    match kinds.iter().find(|kind| **kind != kinds[0]) {
+        Some(_) => Err(format!("`{}`: its workers do not all answer alike", settings.command[0])),
+        None => Ok(kinds[0]),
+    }
+}
+
+/// Why answers of `kind` do not go with `task`.
+fn misfit(kind: Kind, task: &Task) -> Option<&'static str> {
+    let has_targets = task.accept != hpf_sim::task::Accept::default();
+    let has_weights = task.cost != hpf_sim::task::CostWeights::default();
+    match kind {
+        Kind::Costs if has_targets => Some("answers with costs, and the targets of [accept] need traces"),
+        Kind::Trace if !has_weights => Some("answers with traces, and no term of [cost] has a weight"),
+        _ => None,
+    }
+}
+
 impl<'s> Process<'s> {
     /// Starts the workers of `task`; `policy` is the one that learning starts from.
     ///
     /// # Errors
-    /// [`Failure::Input`] that says why a worker did not start, or why the task does not go with what they answer.
+    /// [`Failure::Input`] that says why a worker did not start, or why the task does not go with what they answer;
+    /// [`Failure::Interrupted`].
     pub fn start(
         settings: &Settings,
         task: &Task,
         policy: &Policy,
         simulation: &'s Simulation,
     ) -> Result<Self, Failure> {
+        let hold = Hold::new();
         let hello = protocol::Hello::new(task, policy);
-        let workers = (1..=settings.workers).map(|number| Worker::spawn(number, settings, &hello));
-        let mut workers = workers.collect::<Result<Vec<Worker>, String>>().map_err(Failure::Input)?;
-        let timeout = Duration::from_secs_f64(settings.timeout);
-        let kinds = workers.iter_mut().map(|worker| worker.ready(timeout).map_err(|why| worker.blame(&why)));
-        let kinds = kinds.collect::<Result<Vec<Kind>, String>>().map_err(Failure::Input)?;
-        let kind = kinds[0];
-        if kinds.iter().any(|other| *other != kind) {
-            return Err(Failure::Input(format!("`{}`: its workers do not all answer alike", settings.command[0])));
-        }
-        let has_targets = task.accept != hpf_sim::task::Accept::default();
-        if kind == Kind::Costs && has_targets {
-            let why = "answers with costs, and the targets of [accept] need traces";
-            return Err(Failure::Input(format!("`{}` {why}", settings.command[0])));
-        }
-        if kind == Kind::Trace && task.cost == hpf_sim::task::CostWeights::default() {
-            let why = "answers with traces, and no term of [cost] has a weight";
-            return Err(Failure::Input(format!("`{}` {why}", settings.command[0])));
-        }
+        let mut workers: Vec<Worker> = (1..=settings.workers).map(Worker::new).collect();
+        let started = start_all(&mut workers, settings, &hello).and_then(|kind| match misfit(kind, task) {
+            Some(why) => Err(format!("`{}` {why}", settings.command[0])),
+            None => Ok(kind),
+        });
+        let kind = started.map_err(|why| {
+            end_all(&mut workers, Duration::ZERO);
+            if interrupt::is_asked() {
+                Failure::Interrupted("the processes are ended; no motion was made".into())
+            } else {
+                Failure::Input(why)
+            }
+        })?;
         Ok(Self {
             simulation,
             settings: settings.clone(),
@@ -78,7 +124,9 @@ impl<'s> Process<'s> {
             free: Mutex::new(workers),
             freed: Condvar::new(),
             next: AtomicU64::new(1),
+            lost: AtomicUsize::new(0),
             failure: Mutex::new(None),
+            _hold: hold,
         })
     }
 
@@ -100,49 +148,88 @@ impl<'s> Process<'s> {
     /// One more motion, for its trace.
     ///
     /// # Errors
-    /// [`Failure::Work`] where it failed.
+    /// [`Failure::Work`] where it failed, [`Failure::Interrupted`].
     pub fn motion(&self, weights: &[f64]) -> Result<Trace, Failure> {
         let mut trace = self.simulation.blank_trace();
         match self.answer(Draws::HeldOut, Parameters::Constant(weights), &mut trace) {
             Some(Answer::Trace) => Ok(trace),
             Some(Answer::Failed(why)) => Err(Failure::Work(format!("the motion that was learned failed: {why}"))),
-            _ => Err(Failure::Work(self.failure().unwrap_or_default())),
+            _ => Err(match self.failure() {
+                Some(why) => Failure::Work(why),
+                None => Failure::Interrupted("what was learned is not moved yet".into()),
+            }),
         }
     }
 
     /// Makes one rollout; `trace` is as planned before it and as measured after it. `None` where nobody can make it.
     fn answer(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace) -> Option<Answer> {
-        if self.failure().is_some() {
+        if self.is_stopped() {
             return None;
         }
         self.simulation.rollout_into(parameters, trace);
         let id = self.next.fetch_add(1, Ordering::Relaxed);
         let request = protocol::request(id, draws, parameters, self.simulation.blocks(), trace, &self.hello);
         let mut worker = self.take();
-        let timeout = Duration::from_secs_f64(self.settings.timeout);
-        for attempt in 1..=self.settings.tries {
-            let answer = worker.ask(&request, timeout).and_then(|line| protocol::answer(&line, id, self.kind, trace));
-            let why = match answer {
-                Ok(answer) => {
+        let answer = self.answer_of(&mut worker, id, &request, trace);
+        lock(&self.free).push(worker);
+        self.freed.notify_one();
+        answer
+    }
+
+    /// What `worker`, or those that take its place, make of rollout `id`.
+    fn answer_of(&self, worker: &mut Worker, id: u64, request: &str, trace: &mut Trace) -> Option<Answer> {
+        let Settings { timeout, tries, .. } = self.settings;
+        let timeout = Duration::from_secs_f64(timeout);
+        let (mut starts, mut attempts) = (0, 0);
+        // Nothing is started and nothing is moved any more where it is to end.
+        while !self.is_stopped() {
+            let is_start = !worker.is_running();
+            let done = if is_start {
+                worker.start(&self.settings, &self.hello, self.kind, timeout).map(|()| None)
+            } else {
+                let line = worker.ask(request, timeout);
+                line.and_then(|line| protocol::answer(&line, id, self.kind, trace)).map(Some)
+            };
+            let why = match done {
+                Ok(None) => continue,
+                Ok(Some(answer)) => {
                     if let Answer::Failed(why) = &answer {
                         tell(&worker.blame(&format!("rollout {id} failed: {why}")));
                     }
-                    self.give(worker);
                     return Some(answer);
                 }
                 Err(why) => worker.blame(&why),
             };
-            if attempt == self.settings.tries {
-                self.give_up(format!("{why}; rollout {id} was tried {attempt} times"), worker);
+            // The old one must be gone, with all it started, before a new one takes hold of the same robot.
+            if let Err(left) = worker.end(Duration::ZERO) {
+                self.give_up(format!("{why}; {left}"));
                 return None;
             }
-            tell(&format!("{why}; rollout {id} is made again by a new one"));
-            if let Err(why) = worker.replace(&self.settings, &self.hello, self.kind, timeout) {
-                self.give_up(why, worker);
-                return None;
+            let count = if is_start { &mut starts } else { &mut attempts };
+            *count += 1;
+            let (is_last, is_stopped) = (*count == tries, self.is_stopped());
+            match (is_start, is_last) {
+                _ if is_stopped => tell(&why),
+                (true, true) => self.give_up(format!("{why}; it was started {tries} times")),
+                (true, false) => tell(&format!("{why}; it is started again")),
+                (false, true) => return self.lose(&why, id),
+                (false, false) => tell(&format!("{why}; rollout {id} is made again by a new one")),
             }
         }
         None
+    }
+
+    /// Gives up rollout `id`, which failed for the last time because of `why`: it is rejected, or learning ends.
+    fn lose(&self, why: &str, id: u64) -> Option<Answer> {
+        let Settings { tries, max_lost, .. } = self.settings;
+        let what = format!("{why}; rollout {id} was tried {tries} times");
+        let lost = self.lost.fetch_add(1, Ordering::Relaxed) + 1;
+        if lost > max_lost {
+            self.give_up(format!("{what}, and environment.max_lost = {max_lost} were given up before"));
+            return None;
+        }
+        tell(&format!("{what} and is given up, as {lost} of at most {max_lost}"));
+        Some(Answer::Failed(what))
     }
 
     fn take(&self) -> Worker {
@@ -155,14 +242,14 @@ impl<'s> Process<'s> {
         }
     }
 
-    fn give(&self, worker: Worker) {
-        lock(&self.free).push(worker);
-        self.freed.notify_one();
-    }
-
-    fn give_up(&self, why: String, worker: Worker) {
+    fn give_up(&self, why: String) {
         lock(&self.failure).get_or_insert(why);
-        self.give(worker);
+    }
+}
+
+impl Drop for Process<'_> {
+    fn drop(&mut self) {
+        end_all(&mut lock(&self.free), PARTING);
     }
 }
 
@@ -193,6 +280,14 @@ impl Problem for Process<'_> {
             Some(Answer::Steps(running, terminal)) => Cost { running, terminal, ..blank() },
             Some(Answer::Failed(_)) | None => Cost { terminal: f64::NAN, ..blank() },
         };
+    }
+
+    fn is_stopped(&self) -> bool {
+        interrupt::is_asked() || lock(&self.failure).is_some()
+    }
+
+    fn may_start_fail(&self) -> bool {
+        true
     }
 
     fn signals(&self) -> Option<&SignalModel> {

@@ -13,7 +13,7 @@ use hpf_sim::{AxisTrace, ContactTrace, Metric, Policy, Simulation, Trace};
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::{LoadedTask, in_file, read_policy, read_task, read_text, sha256, while_writing};
+use crate::files::{LoadedTask, in_file, read_policy, read_task, read_text, while_writing};
 use crate::log::Head;
 use crate::{figure, log};
 
@@ -280,7 +280,7 @@ impl Run {
         snapshots: Vec<(usize, Trace)>,
     ) -> Self {
         let mut policy = start.with_weights(&best.weights);
-        policy.provenance.task_sha256 = sha256(&loaded.text);
+        policy.provenance.task_sha256 = loaded.sha256();
         policy.provenance.updates = best.update;
         policy.provenance.cost = best.total;
         let trajectory = simulation.rollout(&best.weights);

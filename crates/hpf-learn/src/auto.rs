@@ -56,6 +56,8 @@ pub enum Note {
     FellBack(Settled),
     /// A step has a negative cost, which has no root: PI2 goes on.
     NegativeCosts,
+    /// The start failed its motion: learning began at a motion near it, after so many.
+    Sought(usize),
 }
 
 impl core::fmt::Display for Note {
@@ -67,6 +69,9 @@ impl core::fmt::Display for Note {
                 write!(f, "the squares that the costs of the steps are made of go on from their roots: {reason}")
             }
             Self::FellBack(reason) => write!(f, "pi2 goes on from the costs of the steps: {reason}"),
+            Self::Sought(motions) => {
+                write!(f, "the start failed its motion: learning began at the first near it that did not, of {motions}")
+            }
             Self::NegativeCosts => f.write_str("pi2 from here on: a step has a negative cost, which has no root"),
         }
     }

@@ -36,6 +36,16 @@ impl Method {
         }
     }
 
+    /// The seed of all random numbers.
+    pub fn seed(&self) -> u64 {
+        match self {
+            Self::Pi2(options) => options.seed,
+            Self::GaussNewton(options) => options.seed,
+            Self::Auto(options) => options.seed,
+            Self::CmaEs(options) => options.seed,
+        }
+    }
+
     /// Rollouts made at a time.
     pub fn rollouts(&self) -> usize {
         match self {
@@ -109,6 +119,15 @@ pub enum LearnError {
     /// The starting parameters already cost no finite amount.
     #[error("the starting policy has no finite cost")]
     BadStart,
+    /// The start fails its motion, and so does everything that was tried near it.
+    #[error("the starting policy has no finite cost, and neither has any of {tried} tried near it")]
+    NoStart {
+        /// Motions tried near the start.
+        tried: usize,
+    },
+    /// No more motions can be made ([`Problem::is_stopped`]); the session was told nothing of the last ones.
+    #[error("no more motions can be made")]
+    Stopped,
     /// The method learns from signals, and the problem measures none.
     #[error("the problem measures no signals: learn it from its cost, with auto, pi2 or cma-es")]
     NoSignals,
@@ -173,12 +192,14 @@ impl<'p, P: Problem> Driver<'p, P> {
         if session.evaluations().len() > 0 {
             let weights = weights_of(session);
             evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
+            go_on(*problem)?;
             return session.tell(&evaluations.costs[..weights.len()], &[]).map(Some);
         }
         if !session.has_batch() {
             return Ok(None);
         }
         let count = batch.make_next(*problem, session);
+        go_on(*problem)?;
         let signals = batch.signals.get(..count).unwrap_or(&[]);
         session.tell_batch(&batch.costs[..count], signals).map(Some)
     }
@@ -211,6 +232,7 @@ impl<'p, P: Problem> Driver<'p, P> {
                 None if ahead.has_batch() => batch.make_next(*problem, ahead),
                 None => return Ok(()),
             };
+            go_on(*problem)?;
             match ahead.tell_batch(&batch.costs[..count], &[]) {
                 Ok(update) => updates.push(update),
                 Err(_) if due > 0 => {
@@ -240,6 +262,7 @@ impl<'p, P: Problem> Driver<'p, P> {
         } else {
             evaluate();
         }
+        go_on(*problem)?;
         let mut updates = updates.into_iter();
         for cost in &evaluations.costs[..weights.len()] {
             told.extend(updates.next());
@@ -299,6 +322,11 @@ pub fn learn<P: Problem>(
     observe: impl FnMut(&Progress) -> bool,
 ) -> Result<History, LearnError> {
     learn_with(problem, weights, &Method::Pi2(options), max_rollouts, observe)
+}
+
+/// Whether what was made last is a result.
+fn go_on<P: Problem>(problem: &P) -> Result<(), LearnError> {
+    if problem.is_stopped() { Err(LearnError::Stopped) } else { Ok(()) }
 }
 
 /// What `session` is to have evaluated.

@@ -161,6 +161,17 @@ pub trait Problem: Sync {
         }
     }
 
+    /// Whether no more motions can be made, so that what was written last is no result: nothing is told of it.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
+    /// Whether the start may fail its motion and be learned from all the same: learning then begins at the first motion
+    /// near it that does not fail. Where motions always can be made, a start that costs no finite amount is a mistake.
+    fn may_start_fail(&self) -> bool {
+        false
+    }
+
     /// How the cost is a sum of squares of signals; `None` where a rollout measures none.
     fn signals(&self) -> Option<&SignalModel> {
         None

@@ -5,6 +5,9 @@
 //! gauss-newton, auto:  batches; their first motion is the start, and each is an evaluation
 //! cma-es:              start, then a batch for each update, each motion an evaluation
 //! ```
+//! Where the start may fail its motion ([`Problem::may_start_fail`]) and does, batches of motions near it follow until one
+//! does not fail: learning begins there.
+//!
 //! Where a problem has draws ([`Problem::is_random`]), what a motion of a batch cost is what it cost under the
 //! draws it learned from: the start, and the cheapest motion of each update, are then rolled out once more under those
 //! held out, and these are the evaluations.
@@ -17,18 +20,20 @@
 
 mod learner;
 mod replay;
+mod seek;
 
 use std::collections::VecDeque;
 
-use crate::auto::{FallBack, Patience, on_roots, roots};
+use crate::auto::{Patience, roots};
 use crate::drive::constant;
 use crate::elites::{choose, join};
 use crate::record::{Price, Record};
 use crate::{
-    Batch, CmaEs, Cost, Draws, Elite, GaussNewton, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
+    Batch, CmaEs, Cost, Draws, Elite, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
     Problem, Progress, Stop,
 };
 use learner::Learner;
+use seek::{Plan, Seek, stage_of};
 
 /// What telling must bring.
 const ONE_EACH: &str = "one cost for each sample asked for";
@@ -111,6 +116,10 @@ pub struct Session {
     motions: usize,
     /// Whether what a motion costs depends on its draws.
     is_random: bool,
+    /// How to begin elsewhere, where the start may fail and is not known yet.
+    plan: Option<Box<Plan>>,
+    /// The search for a start, where the start has failed.
+    seek: Option<Seek>,
 }
 
 #[derive(Clone, Debug)]
@@ -137,26 +146,14 @@ impl Session {
     ) -> Result<Self, LearnError> {
         let (blocks, steps) = (problem.blocks(), problem.steps());
         let start = weights.clone();
-        let mut notes = Vec::new();
-        let signals = |options, weights| {
-            let model = problem.signals().ok_or(LearnError::NoSignals)?;
-            Ok(Stage::Signals(Box::new(Learner::Signals(GaussNewton::new(blocks, model, weights, options)))))
-        };
         let most_elites = if let Method::Pi2(options) = method { options.elites } else { 0 };
         if most_elites > 0 && problem.is_random() {
             return Err(LearnError::RandomElites);
         }
-        let stage = match *method {
-            Method::Pi2(options) => Stage::Pi2(Box::new(Pi2::new(blocks, steps, weights, options))),
-            Method::CmaEs(options) => Stage::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
-            Method::GaussNewton(options) => signals(options, weights)?,
-            Method::Auto(options) if problem.signals().is_some() => signals(options.signals(), weights)?,
-            Method::Auto(options) => {
-                notes.push(Note::NoSignals);
-                let fall_back = FallBack { blocks: blocks.to_vec(), steps, options };
-                Stage::Signals(Box::new(Learner::Roots(on_roots(blocks, steps, weights, options), fall_back)))
-            }
-        };
+        let stage = stage_of(method, (blocks, steps), problem.signals(), weights)?;
+        let is_auto = matches!(method, Method::Auto(_));
+        let notes = (is_auto && problem.signals().is_none()).then_some(Note::NoSignals).into_iter().collect();
+        let plan = problem.may_start_fail().then(|| Box::new(Plan::new(problem, method)));
         let exploration = if let Stage::Pi2(learner) = &stage { learner.exploration() } else { 1.0 };
         let initial =
             Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
@@ -181,6 +178,8 @@ impl Session {
             max_rollouts: max_rollouts.unwrap_or(usize::MAX),
             motions,
             is_random,
+            plan,
+            seek: None,
         })
     }
 
@@ -214,6 +213,7 @@ impl Session {
     /// PI2 and room for the samples that it is to draw, where the batch is one of its.
     pub(crate) fn drawing(&mut self) -> Option<(&Pi2, &mut Batch)> {
         match &self.stage {
+            _ if self.seek.is_some() => None,
             Stage::Pi2(learner) | Stage::Polish(learner, _) => {
                 let batch = self.batch.get_or_insert_with(|| core::mem::take(&mut self.spare));
                 Some((learner, batch))
@@ -224,6 +224,10 @@ impl Session {
 
     pub(crate) fn ask_batch(&mut self) -> Ask<'_> {
         let room = self.room();
+        if let Some(seek) = &self.seek {
+            let samples = constant(seek.ask(self.rollouts.clamp(1, room)));
+            return Ask { draws: Draws::HeldOut, samples, wants_signals: false };
+        }
         let (draws, samples, wants_signals) = match &self.stage {
             Stage::Pi2(learner) | Stage::Polish(learner, _) => {
                 let batch = self.batch.get_or_insert_with(|| {
@@ -272,8 +276,8 @@ impl Session {
     /// the signals of each.
     ///
     /// # Errors
-    /// [`LearnError::BadStart`] where the start costs no finite amount, [`LearnError::Update`] where no sample of an
-    /// update does.
+    /// [`LearnError::BadStart`] where the start costs no finite amount, [`LearnError::NoStart`] where it may fail and
+    /// nothing near it does not, [`LearnError::Update`] where no sample of an update costs a finite amount.
     ///
     /// # Panics
     /// Where something else was asked for: another number of samples, or signals that are not there.
@@ -301,6 +305,7 @@ impl Session {
         assert!(!wants_signals || signals.len() == asked, "the signals of each sample asked for");
         let prices = || costs.iter().map(Price::from).collect();
         let record = match &self.stage {
+            _ if self.seek.is_some() => Record::Costs(prices()),
             Stage::Pi2(_) | Stage::Polish(..) => self.update(costs)?,
             Stage::Signals(..) => {
                 let signals_of = |(k, cost): (usize, &Cost)| match wants_signals {
@@ -383,7 +388,7 @@ impl Session {
 
     /// Whether the start and every update have been evaluated: a good moment to stop.
     pub fn is_evaluated(&self) -> bool {
-        self.history.rollouts > 0 && self.evaluations.is_empty()
+        self.history.rollouts > 0 && self.evaluations.is_empty() && self.seek.is_none()
     }
 
     /// Whether learning is over by itself.

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::{Common, Learn};
+use hpf_sim::task::{Environment, Process};
+
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
 use crate::files::{LoadedTask, read_task, say};
@@ -34,6 +36,9 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     } else {
         let next = if learned.is_open() {
             format!("hpf learn --resume {place}")
+        } else if loaded.task.environment.is_some() {
+            // What a process makes of the policy, hpf cannot simulate.
+            format!("hpf check {place}")
         } else {
             format!("hpf run {place} --rate 1000")
         };
@@ -41,7 +46,11 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         say(&render::learned(&loaded.task, &summary, &notes, &place, &files, &next))?;
     }
     match &learned.failure {
-        Some(reason) => Err(Failure::Work(format!("{reason}; the best policy before that is in {place}"))),
+        Some(reason) => {
+            let failure = Failure::Work(format!("{reason}; the best policy before that is in {place}"));
+            let go_on = format!("go on from there with: hpf learn --resume {place}");
+            Err(if learned.is_open() { failure.with(&go_on) } else { failure })
+        }
         None if learned.is_open() => Ok(Outcome::Interrupted),
         None if summary.is_missed() => Ok(Outcome::Missed),
         None => Ok(Outcome::Done),
@@ -54,7 +63,12 @@ fn begin(task: &Path, options: &Learn, common: &Common) -> Result<(LoadedTask, U
     changes.extend(common.seed.map(|seed| format!("learning.seed={seed}")));
     let mut loaded = read_task(task, &changes)?;
     let tables = results::own_tables(&mut loaded.task);
-    loaded.text = overrides::apply(&loaded.text, &tables.iter().map(|table| table.change.clone()).collect::<Vec<_>>())?;
+    let mut changes: Vec<String> = tables.iter().map(|table| table.change.clone()).collect();
+    if let Some(Environment::Process(Process { folder: Some(folder), .. })) = &loaded.task.environment {
+        // The run is elsewhere, and its program stays where it is.
+        changes.push(format!("environment.folder={}", overrides::quoted(folder)));
+    }
+    loaded.text = overrides::apply(&loaded.text, &changes)?;
     let start = start::policy(&loaded.task, options.from.as_deref())?;
     let target = common.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&loaded.task.name));
     let mut folder = Unfinished::begin(&target, common.force)?;

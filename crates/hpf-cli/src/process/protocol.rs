@@ -11,8 +11,13 @@ use serde_json::{Value, json};
 
 /// Version of the protocol.
 pub const VERSION: u32 = 1;
-/// Most characters of a line shown in a message.
+/// Most characters of a line, or of what a process says of an error, shown in a message.
 const SHOWN: usize = 120;
+/// Bytes of an answer besides its numbers, at most.
+const ENVELOPE: usize = 1 << 16;
+/// Bytes of a number of an answer with what stands around it, at most: full digits take 26.
+const NUMBER: usize = 32;
+
 
 /// What a worker answers with.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
@@ -32,6 +37,7 @@ pub struct Hello {
     steps: usize,
     policy: Value,
     axes: Vec<String>,
+    longest_line: usize,
 }
 
 impl Hello {
@@ -44,7 +50,13 @@ impl Hello {
             steps: task.steps(),
             policy: serde_json::from_str(&policy.to_json()).expect("a policy is JSON"),
             axes: task.axis.iter().map(|axis| axis.name.clone()).collect(),
+            longest_line: ENVELOPE + NUMBER * 3 * task.axis.len() * (task.steps() + 1),
         }
+    }
+
+    /// Longest line that is read from a worker [bytes]: every signal of every axis in full digits, and room.
+    pub fn longest_line(&self) -> usize {
+        self.longest_line
     }
 
     /// The line for worker `number`.
@@ -222,7 +234,7 @@ pub fn answer(line: &str, id: u64, kind: Kind, trace: &mut Trace) -> Result<Answ
     }
     match (kind, done) {
         (_, Done { error: Some(why), cost: None, costs: None, terminal: None, axes: None, .. }) => {
-            Ok(Answer::Failed(why))
+            Ok(Answer::Failed(shown(&why)))
         }
         (Kind::Costs, Done { cost: Some(cost), costs: None, terminal: None, axes: None, error: None, .. }) => {
             Ok(Answer::Total(cost))
@@ -290,10 +302,20 @@ fn nulled(line: &str) -> Cow<'_, str> {
 }
 
 fn nonsense(line: &str, why: &str) -> String {
-    let line = line.trim_end();
-    let shown: String = line.chars().take(SHOWN).collect();
-    let dots = if shown.len() < line.len() { "..." } else { "" };
-    format!("printed `{shown}{dots}`, which is no answer: {why}")
+    format!("printed `{}`, which is no answer: {}", shown(line), shown(why))
+}
+
+/// The beginning of what a process says; what would steer a terminal is spelled out.
+fn shown(text: &str) -> String {
+    let text = text.trim_end();
+    let mut shown = String::new();
+    for letter in text.chars().take(SHOWN) {
+        if letter.is_control() { shown.extend(letter.escape_default()) } else { shown.push(letter) }
+    }
+    if text.chars().nth(SHOWN).is_some() {
+        shown += "...";
+    }
+    shown
 }
 
 #[cfg(test)]

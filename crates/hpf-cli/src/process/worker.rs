@@ -1,48 +1,71 @@
-//! One process, its lines, and its end.
+//! One place for a process, its lines, and its end.
 
 use core::time::Duration;
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel};
+use std::io::{BufRead, BufReader, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 use std::time::Instant;
 
 use hpf_sim::task::Process as Settings;
 
+use super::group::Group;
 use super::protocol::{self, Hello, Kind};
+use crate::interrupt;
 
-/// Longest line read [bytes]: a trace of the most steps and axes, in full digits.
-const LONGEST_LINE: u64 = 1 << 30;
-/// Lines kept that nobody has asked for; a process that prints more waits.
-const LINES_AHEAD: usize = 4;
-/// Time a process has to end after its input was closed.
-const PARTING: Duration = Duration::from_secs(2);
+/// Time that a process has to end by itself after its input was closed.
+pub const PARTING: Duration = Duration::from_secs(2);
+/// Time between looks at whether hpf was asked to end.
+const GLANCE: Duration = Duration::from_millis(50);
 
-/// A process that makes one rollout at a time.
+/// A place for a process that makes one rollout at a time; there may be none in it.
 pub struct Worker {
     /// From 1.
     number: usize,
-    child: Child,
+    running: Option<Running>,
+}
+
+struct Running {
+    group: Group,
+    since: Instant,
     /// Lines to its stdin; dropped, the stdin closes. A thread writes them, for a process that does not read must not hold
     /// up the time-out.
-    requests: Option<Sender<String>>,
+    requests: Sender<String>,
+    /// Lines from its stdout, none read ahead of the one that waits here: a process that prints more waits, too.
     lines: Receiver<Result<String, String>>,
 }
 
 impl Worker {
-    /// Starts worker `number` and greets it.
+    /// Place `number`, with nobody in it.
+    pub fn new(number: usize) -> Self {
+        Self { number, running: None }
+    }
+
+    /// Whether a process is in its place.
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Starts the program and greets it.
     ///
     /// # Errors
     /// Why the program does not start.
-    pub fn spawn(number: usize, settings: &Settings, hello: &Hello) -> Result<Self, String> {
+    pub fn spawn(&mut self, settings: &Settings, hello: &Hello) -> Result<(), String> {
         let [program, arguments @ ..] = settings.command.as_slice() else { return Err("the command is empty".into()) };
-        let mut command = Command::new(program);
-        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
-        // Ctrl-C is for hpf: the running update is to be finished.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command.spawn().map_err(|error| format!("cannot start `{program}`: {error}"))?;
-        let (mut stdin, stdout) = (child.stdin.take().expect("piped"), child.stdout.take().expect("piped"));
+        let folder = settings.folder.as_deref().map(Path::new);
+        // A path leads from the folder of the program, a plain name to wherever programs are.
+        let path = match folder {
+            Some(folder) if Path::new(program).components().nth(1).is_some() => folder.join(program),
+            _ => PathBuf::from(program),
+        };
+        let mut command = Command::new(path);
+        command.args(arguments);
+        folder.map(|folder| command.current_dir(folder));
+        let place = folder.map_or_else(String::new, |folder| format!(" in {}", folder.display()));
+        let started = Group::start(command, self.number);
+        let (group, mut stdin, stdout) =
+            started.map_err(|error| format!("cannot start `{program}`{place}: {error}"))?;
         let (requests, asked) = channel::<String>();
         thread::spawn(move || {
             // Where the process is gone, its silence says so.
@@ -52,39 +75,35 @@ impl Worker {
                 }
             }
         });
-        let (told, lines) = sync_channel(LINES_AHEAD);
-        thread::spawn(move || {
-            let mut reader = BufReader::new(stdout);
-            loop {
-                let mut line = Vec::new();
-                let line = match (&mut reader).take(LONGEST_LINE).read_until(b'\n', &mut line) {
-                    Ok(0) => break,
-                    Ok(count) if count as u64 == LONGEST_LINE => Err(format!("printed more than {LONGEST_LINE} bytes")),
-                    Ok(_) => Ok(String::from_utf8_lossy(&line).into_owned()),
-                    Err(error) => Err(format!("cannot be read: {error}")),
-                };
-                if told.send(line).is_err() {
-                    break;
-                }
-            }
-        });
-        let worker = Self { number, child, requests: Some(requests), lines };
-        worker.send(hello.line(number));
-        Ok(worker)
-    }
-
-    fn send(&self, line: String) {
+        let (told, lines) = sync_channel(0);
+        let most = hello.longest_line();
+        thread::spawn(move || read_lines(BufReader::new(stdout), most, &told));
         // A process that is gone says so when it is waited for.
-        let _ = self.requests.as_ref().map(|requests| requests.send(line));
+        let _ = requests.send(hello.line(self.number));
+        self.running = Some(Running { group, since: Instant::now(), requests, lines });
+        Ok(())
     }
 
-    /// Waits for the answer to the greeting.
+    /// Waits for the answer to the greeting, which is due `timeout` after the start.
     ///
     /// # Errors
     /// What is wrong with it.
     pub fn ready(&mut self, timeout: Duration) -> Result<Kind, String> {
-        let line = self.next(timeout)?;
+        let left = self.running.as_ref().map_or(timeout, |running| timeout.saturating_sub(running.since.elapsed()));
+        let line = self.next(left, timeout, interrupt::is_asked)?;
         protocol::ready(&line)
+    }
+
+    /// Starts the program anew, for answers of the same `kind` as before.
+    ///
+    /// # Errors
+    /// Why it does not come up; what there is of it is still to be ended.
+    pub fn start(&mut self, settings: &Settings, hello: &Hello, kind: Kind, timeout: Duration) -> Result<(), String> {
+        self.spawn(settings, hello)?;
+        match self.ready(timeout)? {
+            found if found == kind => Ok(()),
+            _ => Err("answers with something else than before".into()),
+        }
     }
 
     /// Sends a line and waits for the next one.
@@ -92,68 +111,101 @@ impl Worker {
     /// # Errors
     /// What the process did instead.
     pub fn ask(&mut self, line: &str, timeout: Duration) -> Result<String, String> {
-        self.send(line.to_owned());
-        self.next(timeout)
+        // A process that is gone says so when it is waited for.
+        let _ = self.running.as_ref().map(|running| running.requests.send(line.to_owned()));
+        self.next(timeout, timeout, interrupt::is_urgent)
     }
 
-    fn next(&mut self, timeout: Duration) -> Result<String, String> {
-        match self.lines.recv_timeout(timeout) {
-            Ok(line) => line,
-            Err(RecvTimeoutError::Timeout) => Err(format!("did not answer within {} s", timeout.as_secs_f64())),
-            Err(RecvTimeoutError::Disconnected) => match self.part() {
-                Some(status) => Err(format!("ended ({status})")),
-                None => Err("closed its output".into()),
-            },
+    /// The next line, within `left` of the time `allowed`, unless `is_broken_off`.
+    fn next(&mut self, left: Duration, allowed: Duration, is_broken_off: fn() -> bool) -> Result<String, String> {
+        let Some(running) = &mut self.running else { return Err("is not running".into()) };
+        let begun = Instant::now();
+        loop {
+            let rest = left.saturating_sub(begun.elapsed());
+            match running.lines.recv_timeout(rest.min(GLANCE)) {
+                Ok(line) => return line,
+                Err(RecvTimeoutError::Timeout) if is_broken_off() => return Err("was broken off".into()),
+                Err(RecvTimeoutError::Timeout) if rest > GLANCE => {}
+                Err(RecvTimeoutError::Timeout) => {
+                    return Err(format!("did not answer within {} s", allowed.as_secs_f64()));
+                }
+                Err(RecvTimeoutError::Disconnected) => return Err(ending(running.group.status(PARTING))),
+            }
         }
     }
 
-    /// Takes the place of a process that failed with a new one.
+    /// Ends the process and all that it started, after `patience` for it to end by itself.
     ///
     /// # Errors
-    /// Why there is none.
-    pub fn replace(&mut self, settings: &Settings, hello: &Hello, kind: Kind, timeout: Duration) -> Result<(), String> {
-        // The old one must be gone before the new one takes hold of the same robot.
-        self.end();
-        *self = Self::spawn(self.number, settings, hello)?;
-        match self.ready(timeout) {
-            Ok(found) if found == kind => Ok(()),
-            Ok(_) => Err(self.blame("answers with something else than before")),
-            Err(why) => Err(self.blame(&why)),
-        }
+    /// Which processes cannot be ended: the place is not to be used again.
+    pub fn end(&mut self, patience: Duration) -> Result<(), String> {
+        let Some(Running { mut group, requests, .. }) = self.running.take() else { return Ok(()) };
+        // It sees the end of its input.
+        drop(requests);
+        group.end(patience, interrupt::is_urgent).map_err(|why| self.blame(&why))
     }
 
     /// A sentence with the worker as its subject.
     pub fn blame(&self, what: &str) -> String {
         format!("worker {} {what}", self.number)
     }
-
-    /// Waits a while for the process to end by itself.
-    fn part(&mut self) -> Option<std::process::ExitStatus> {
-        let started = Instant::now();
-        loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return Some(status),
-                Ok(None) if started.elapsed() < PARTING => thread::sleep(Duration::from_millis(5)),
-                _ => return None,
-            }
-        }
-    }
-
-    /// Ends the process at once.
-    fn end(&mut self) {
-        self.requests = None;
-        // What cannot be killed or waited for is gone.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
 }
 
 impl Drop for Worker {
-    /// Closes its input and gives it time to end.
     fn drop(&mut self) {
-        self.requests = None;
-        if self.part().is_none() {
-            self.end();
+        // Nobody is left to hear what cannot be ended.
+        let _ = self.end(PARTING);
+    }
+}
+
+/// What is said of a process that prints no more.
+fn ending(status: Option<ExitStatus>) -> String {
+    status.map_or_else(|| "closed its output".into(), |status| format!("ended ({status})"))
+}
+
+/// Hands on the lines of a process, each of `most` bytes at most, until one is none or nobody takes them.
+fn read_lines(mut reader: impl BufRead, most: usize, told: &SyncSender<Result<String, String>>) {
+    loop {
+        let mut line = Vec::new();
+        let line = match (&mut reader).take(most as u64 + 1).read_until(b'\n', &mut line) {
+            Ok(0) => return,
+            Ok(_) if line.len() > most => Err(format!("printed a line of more than {most} bytes, the most of this task")),
+            Ok(_) if line.last() != Some(&b'\n') => Err("ended in the middle of a line".into()),
+            Ok(_) => String::from_utf8(line).map_err(|_| "printed a line that is not UTF-8".into()),
+            Err(error) => Err(format!("cannot be read: {error}")),
+        };
+        let is_over = line.is_err();
+        if told.send(line).is_err() || is_over {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is handed on of `bytes`, with lines of 8 bytes at most.
+    fn lines(bytes: &'static [u8]) -> Vec<Result<String, String>> {
+        let (told, lines) = sync_channel(0);
+        thread::spawn(move || read_lines(bytes, 8, &told));
+        lines.iter().collect()
+    }
+
+    #[test]
+    fn lines_are_bounded_whole_and_text() {
+        let [one, two] = ["1234567\n", "\n"].map(|line| Ok(line.to_owned()));
+        assert_eq!(lines(b"1234567\n\n"), [one.clone(), two]);
+        for (bytes, words) in [
+            (&b"1234567\n12345678\n"[..], "more than 8 bytes"),
+            (b"1234567\nxxxxxxxxxxxxxxxxxxxxxxxx", "more than 8 bytes"),
+            (b"1234567\n12", "in the middle of a line"),
+            (b"1234567\n\xff\n1\n", "not UTF-8"),
+        ] {
+            let found = lines(bytes);
+            assert_eq!(found.len(), 2, "nothing is read after what is no line");
+            assert_eq!(found[0], one);
+            assert!(found[1].as_ref().unwrap_err().contains(words), "{found:?}");
         }
     }
 }

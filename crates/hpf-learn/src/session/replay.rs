@@ -15,33 +15,63 @@ impl Session {
         }
         let progress = match record {
             Record::Costs(prices) if !self.evaluations.is_empty() => {
-                Some(self.evaluated(prices.first().ok_or(LearnError::WrongRecord)?)?)
+                self.evaluated(prices.first().ok_or(LearnError::WrongRecord)?)?
             }
             record if self.has_batch() => self.learned(record)?,
             _ => return Err(LearnError::WrongRecord),
         };
         self.look_ahead();
-        Ok(progress)
+        match &self.seek {
+            Some(seek) if self.over.is_some() => Err(seek.failed()),
+            _ => Ok(progress),
+        }
     }
 
     /// Takes what the first outcome that is due was found to cost.
-    fn evaluated(&mut self, price: &Price) -> Result<Progress, LearnError> {
+    fn evaluated(&mut self, price: &Price) -> Result<Option<Progress>, LearnError> {
         let due = self.evaluations.pop_front().expect("one is due");
         if due.update == 0 {
             return self.started(price);
         }
         self.history.rollouts += self.motions;
-        Ok(self.keep(due.priced(price)))
+        Ok(Some(self.keep(due.priced(price))))
     }
 
-    fn started(&mut self, price: &Price) -> Result<Progress, LearnError> {
-        if !price.total.is_finite() {
-            return Err(LearnError::BadStart);
-        }
+    /// Takes what the start cost; `None` where it failed and others are tried.
+    fn started(&mut self, price: &Price) -> Result<Option<Progress>, LearnError> {
         self.history.rollouts = self.motions;
+        if !price.total.is_finite() {
+            let plan = self.plan.take().ok_or(LearnError::BadStart)?;
+            self.history.rejected += 1;
+            self.seek = Some(plan.seek(&self.history.initial.weights));
+            return Ok(None);
+        }
+        self.plan = None;
         let initial = Progress { rollouts: self.motions, ..self.history.initial.clone() }.priced(price);
         (self.history.initial, self.history.best) = (initial.clone(), initial.clone());
-        Ok(initial)
+        Ok(Some(initial))
+    }
+
+    /// Takes what motions near a start that failed cost: the first that did not fail is where learning begins.
+    fn sought(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
+        let (Some(mut seek), Record::Costs(prices)) = (self.seek.take(), record) else {
+            return Err(LearnError::WrongRecord);
+        };
+        let samples = seek.take(prices.len()).ok_or(LearnError::WrongRecord)?;
+        self.history.rollouts += prices.len() * self.motions;
+        self.history.rejected += prices.iter().filter(|price| !price.total.is_finite()).count();
+        let Some((weights, price)) = samples.into_iter().zip(prices).find(|(_, price)| price.total.is_finite()) else {
+            if seek.is_over() {
+                return Err(seek.failed());
+            }
+            self.seek = Some(seek);
+            return Ok(None);
+        };
+        self.stage = seek.stage(weights.clone())?;
+        self.history.notes.push(Note::Sought(seek.tried()));
+        let initial = Progress { weights, rollouts: self.history.rollouts, ..self.history.initial.clone() }.priced(price);
+        (self.history.initial, self.history.best) = (initial.clone(), initial.clone());
+        Ok(Some(initial))
     }
 
     /// Keeps an evaluation.
@@ -67,6 +97,9 @@ impl Session {
     /// Takes the record of a batch.
     fn learned(&mut self, record: &Record) -> Result<Option<Progress>, LearnError> {
         self.batch = None;
+        if self.seek.is_some() {
+            return self.sought(record);
+        }
         match (&mut self.stage, record) {
             (
                 Stage::Pi2(learner) | Stage::Polish(learner, _),
@@ -119,8 +152,15 @@ impl Session {
             return Err(LearnError::WrongRecord);
         }
         let samples = learner.ask()[..count].to_vec();
-        let initial = if self.history.rollouts == 0 { Some(self.started(&prices[0])?) } else { None };
-        self.history.rollouts += (count - usize::from(initial.is_some())) * self.motions;
+        let is_start = self.history.rollouts == 0;
+        let initial = if is_start { self.started(&prices[0])? } else { None };
+        if self.seek.is_some() {
+            // What came of the rest of the batch says nothing of another start.
+            self.history.rollouts += (count - 1) * self.motions;
+            self.history.rejected += prices[1..].iter().filter(|price| !price.total.is_finite()).count();
+            return Ok(None);
+        }
+        self.history.rollouts += (count - usize::from(is_start)) * self.motions;
         self.offer(&samples, prices);
         let Stage::Signals(learner) = &mut self.stage else { unreachable!("matched above") };
         let (update, reach, was_coupled) = (learner.update(), learner.reach(), learner.is_coupled());
@@ -155,6 +195,10 @@ impl Session {
     /// Finds out whether a batch is to follow, and of what.
     fn look_ahead(&mut self) {
         if !self.evaluations.is_empty() {
+            return;
+        }
+        if self.seek.is_some() {
+            self.over = self.limit();
             return;
         }
         // What comes next may have nothing to learn, either.

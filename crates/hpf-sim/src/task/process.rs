@@ -17,9 +17,12 @@ pub enum Environment {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
 pub struct Process {
-    /// The program and its arguments, run where hpf runs.
+    /// The program and its arguments; relative paths are looked for in `folder`.
     #[schemars(length(min = 1))]
     pub command: Vec<String>,
+    /// Where it runs, from the folder of the task file, which it is where left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<String>,
     /// How many of them run at a time, each with one rollout at a time.
     #[serde(default = "default_workers")]
     #[schemars(range(min = 1, max = 256))]
@@ -28,10 +31,14 @@ pub struct Process {
     #[serde(default = "default_timeout")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
     pub timeout: f64,
-    /// How often one rollout is tried, each time by a new process, before learning gives up.
+    /// How often one rollout is tried, each time by a new process, before it is given up.
     #[serde(default = "default_tries")]
     #[schemars(range(min = 1, max = 1000))]
     pub tries: usize,
+    /// How many rollouts may be given up until learning ends; a resumed run counts anew.
+    #[serde(default = "default_max_lost")]
+    #[schemars(range(max = 1_000_000))]
+    pub max_lost: usize,
 }
 
 fn default_workers() -> usize {
@@ -44,6 +51,15 @@ fn default_timeout() -> f64 {
 
 fn default_tries() -> usize {
     3
+}
+
+fn default_max_lost() -> usize {
+    20
+}
+
+impl Process {
+    /// The keys that say how rollouts are made, and not which: a run with others has the same results.
+    pub const HOW: [&str; 5] = ["folder", "workers", "timeout", "tries", "max_lost"];
 }
 
 impl Task {

@@ -1,0 +1,115 @@
+//! Where learning begins: at the start, or where that fails its motion at the first motion near it that does not.
+//!
+//! Motions near the start differ from it as the exploration of a first update does: every parameter by a normal deviate
+//! of its block's noise, from random numbers of (seed, motion) alone.
+
+use rand::RngExt as _;
+
+use super::{Learner, Stage};
+use crate::auto::{FallBack, on_roots};
+use crate::noise::stream;
+use crate::{Block, CmaEs, GaussNewton, LearnError, Method, Pi2, Problem, SignalModel};
+
+/// Motions tried near a start that fails, at most.
+const MOST: usize = 50;
+/// The stream of random numbers that no update has.
+const UPDATE: usize = u32::MAX as usize;
+
+/// The first stage of `method` from `weights`, for `blocks` and steps.
+pub(super) fn stage_of(
+    method: &Method,
+    (blocks, steps): (&[Block], usize),
+    model: Option<&SignalModel>,
+    weights: Vec<f64>,
+) -> Result<Stage, LearnError> {
+    let signals = |options, model, weights| {
+        Stage::Signals(Box::new(Learner::Signals(GaussNewton::new(blocks, model, weights, options))))
+    };
+    Ok(match (*method, model) {
+        (Method::Pi2(options), _) => Stage::Pi2(Box::new(Pi2::new(blocks, steps, weights, options))),
+        (Method::CmaEs(options), _) => Stage::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
+        (Method::GaussNewton(options), Some(model)) => signals(options, model, weights),
+        (Method::GaussNewton(_), None) => return Err(LearnError::NoSignals),
+        (Method::Auto(options), Some(model)) => signals(options.signals(), model, weights),
+        (Method::Auto(options), None) => {
+            let fall_back = FallBack { blocks: blocks.to_vec(), steps, options };
+            Stage::Signals(Box::new(Learner::Roots(on_roots(blocks, steps, weights, options), fall_back)))
+        }
+    })
+}
+
+/// How learning begins, from wherever it may.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    method: Method,
+    blocks: Vec<Block>,
+    steps: usize,
+    model: Option<SignalModel>,
+}
+
+impl Plan {
+    /// Of learning `problem` by `method`.
+    pub(super) fn new<P: Problem>(problem: &P, method: &Method) -> Self {
+        let (blocks, model) = (problem.blocks().to_vec(), problem.signals().cloned());
+        Self { method: *method, blocks, steps: problem.steps(), model }
+    }
+
+    /// Looks for a start near `start`, which failed.
+    pub(super) fn seek(self: Box<Self>, start: &[f64]) -> Seek {
+        let near = |motion: usize| {
+            let mut generator = stream(self.method.seed(), UPDATE, motion);
+            let blocks = self.blocks.iter().flat_map(|block| core::iter::repeat_n(block, block.count));
+            let moved = blocks.zip(start).map(|(block, weight)| {
+                let deviate: f64 = generator.sample(rand_distr::StandardNormal);
+                (weight + block.noise * deviate).clamp(block.min, block.max)
+            });
+            moved.collect()
+        };
+        Seek { samples: (0..MOST).map(near).collect(), tried: 0, plan: self }
+    }
+}
+
+/// The search for a start.
+#[derive(Clone, Debug)]
+pub(super) struct Seek {
+    plan: Box<Plan>,
+    samples: Vec<Vec<f64>>,
+    /// How many of the samples were tried.
+    tried: usize,
+}
+
+impl Seek {
+    /// The samples to roll out next, at most `count`.
+    pub(super) fn ask(&self, count: usize) -> &[Vec<f64>] {
+        let left = &self.samples[self.tried..];
+        &left[..left.len().min(count)]
+    }
+
+    /// The next `count` samples, which were tried; `None` where there are not so many.
+    pub(super) fn take(&mut self, count: usize) -> Option<Vec<Vec<f64>>> {
+        let taken = self.samples.get(self.tried..self.tried + count)?.to_vec();
+        self.tried += count;
+        (count > 0).then_some(taken)
+    }
+
+    /// How many samples were tried.
+    pub(super) fn tried(&self) -> usize {
+        self.tried
+    }
+
+    /// Whether all were.
+    pub(super) fn is_over(&self) -> bool {
+        self.tried == self.samples.len()
+    }
+
+    /// What there is to say where none of them is a start.
+    pub(super) fn failed(&self) -> LearnError {
+        LearnError::NoStart { tried: self.tried }
+    }
+
+    /// The first stage from `weights`.
+    pub(super) fn stage(&self, weights: Vec<f64>) -> Result<Stage, LearnError> {
+        let Plan { method, blocks, steps, model } = &*self.plan;
+        stage_of(method, (blocks, *steps), model.as_ref(), weights)
+    }
+}
