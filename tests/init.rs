@@ -63,7 +63,7 @@ fn a_task_of_a_process_comes_with_its_program_and_names_it() {
     let (stdout, _) = expect(0, folder.path(), &[&arm[..], &["--json"]].concat());
     assert!(stdout.contains("\"program\": \"my lab/arm.py\""), "{stdout}");
     let text = read(folder.path().join("my lab/arm.toml"));
-    assert!(text.contains("command = [\"python3\", \"my lab/arm.py\"]"), "{text}");
+    assert!(text.contains("command = [\"python3\", \"arm.py\"]"), "{text}");
     assert!(text.contains("its equation in arm.py,") && !text.contains("point_mass"), "{text}");
     if has_python() {
         let few = ["--quiet", "--set", "learning.updates=2", "--set", "accept={}"];

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Instant;
 
-use crate::support::{command, expect, expect_same_run, folder, hpf, task};
+use crate::support::{command, expect, expect_same_run, folder, task};
 
 /// Kills of each method.
 const KILLS: u32 = 25;
@@ -65,11 +65,7 @@ fn left(folder: &Path, name: &str, again: &[&str]) -> Left {
     match left {
         Left::Nothing => drop(expect(0, folder, again)),
         Left::Resumable => drop(expect(0, folder, &["learn", "--resume", name, "--quiet"])),
-        // Killed between its last two breaths it has its checkpoint yet: it may be resumed, and need not be.
-        Left::Whole if run.join("checkpoint").exists() || run.join(".lock").exists() => {
-            let resumed = hpf(folder, &["learn", "--resume", name, "--quiet"]);
-            assert!(resumed.status.success());
-        }
+        // Under its name it is what it will be: below, nothing else is in it.
         Left::Whole => {}
     }
     expect_same_run(&folder.join("whole"), &run);
@@ -91,4 +87,31 @@ fn a_hundred_kills_leave_a_hundred_runs_that_end_with_the_same_bytes() {
     eprintln!("nothing, resumable, whole: {counts:?}");
     assert_eq!(counts.iter().sum::<usize>(), 100);
     assert!(counts[1] >= 20, "too few kills met a run at work: {counts:?}");
+}
+
+#[test]
+fn a_run_killed_before_its_last_renaming_gets_its_name_and_needs_nothing_else() {
+    let folder = folder();
+    let reach = task("reach.toml");
+    expect(0, folder.path(), &arguments(&reach, "learning.method=pi2", "whole"));
+    expect(0, folder.path(), &arguments(&reach, "learning.method=pi2", "run"));
+    let path = |name: &str| folder.path().join(name);
+    // All is written, the checkpoint gone: what a kill at the renaming leaves, with and without the lock.
+    for has_lock in [true, false] {
+        fs::rename(path("run"), path("run.partial")).unwrap();
+        if has_lock {
+            fs::write(path("run.partial/.lock"), "").unwrap();
+        }
+        let (stdout, _) = expect(0, folder.path(), &["learn", "--resume", "run"]);
+        assert!(stdout.contains("total"), "{stdout}");
+        expect_same_run(&path("whole"), &path("run"));
+        assert!(!path("run.partial").exists());
+    }
+    // A discarded run of which a part is left is none: it is discarded again.
+    fs::create_dir(path("run.partial")).unwrap();
+    fs::write(path("run.partial/.lock"), "").unwrap();
+    fs::create_dir(path("run.partial/plots")).unwrap();
+    expect(2, folder.path(), &["learn", "--resume", "run", "--force"]);
+    expect(0, folder.path(), &[&arguments(&reach, "learning.method=pi2", "run")[..], &["--force"]].concat());
+    expect_same_run(&path("whole"), &path("run"));
 }

@@ -75,7 +75,7 @@ fn the_example_meets_its_targets_and_gives_the_same_bytes_for_any_number_of_work
     }
     let path = |name: &str| folder.path().join(name);
     for file in ["policy.json", "learning.csv", "trajectory.csv"] {
-        assert_eq!(lines(&path("1").join(file)), lines(&path("3").join(file)), "{file} differs");
+        assert_eq!(read(path("1").join(file)), read(path("3").join(file)), "{file} differs");
     }
     let summary = json(path("1/summary.json"));
     // The motion that the files show is one more.
@@ -132,7 +132,14 @@ fn a_worker_that_dies_hangs_or_babbles_is_replaced_and_named_and_changes_no_resu
     // Each does it once, and leaves a mark that it did.
     for (trouble, words) in [
         ("sys.exit(7)", "ended (exit status: 7)"),
-        ("time.sleep(60)", "did not answer within 1 s"),
+        ("time.sleep(60)", "did not answer within 3 s"),
+        ("sys.exit(0)", "ended (exit status: 0)"),
+        ("os.close(1); time.sleep(60)", "closed its output"),
+        ("os.write(1, b'{\"type\": \"do'); sys.exit(0)", "ended in the middle of a line"),
+        ("os.write(1, b'\\xff\\xfe\\n')", "is not UTF-8"),
+        // 64 KiB, and 32 bytes for each number of 3 signals at 101 instants of one axis.
+        ("while True: sys.stdout.write('x' * 65536)", "more than 75232 bytes, the most of this task"),
+        ("print('\\x1b[2Joops', flush=True)", "printed `\\u{1b}[2Joops`, which is no answer"),
         ("print('oops', flush=True)", "printed `oops`, which is no answer"),
         ("say(type='done', id=0, cost=1.0)", "its id is 0"),
     ] {
@@ -143,8 +150,9 @@ fn a_worker_that_dies_hangs_or_babbles_is_replaced_and_named_and_changes_no_resu
              else: say(type='done', id=id, cost=cost(request))"
         );
         let bad = worker(folder.path(), &body);
-        let settings = [&COSTS[..3], &["environment.timeout=1.0", "environment.workers=1"]].concat();
+        let settings = [&COSTS[..3], &["environment.timeout=3.0", "environment.workers=1"]].concat();
         let (_, stderr) = learn(0, folder.path(), &["python3", &bad], "bad", &settings);
+        assert!(!stderr.contains('\u{1b}'), "{stderr:?}");
         assert!(stderr.contains("worker 1 ") && stderr.contains(words) && stderr.contains("is made again"), "{stderr}");
         for file in ["policy.json", "learning.csv"] {
             let of = |name: &str| lines(&folder.path().join(name).join(file));
@@ -162,9 +170,10 @@ fn a_worker_that_fails_again_and_again_ends_learning_which_goes_on_when_it_is_me
     let folder = folder();
     let good = "say(type='done', id=id, cost=cost(request))";
     let program = worker(folder.path(), good);
-    learn(0, folder.path(), &["python3", &program], "whole", &COSTS);
+    let settings = [&COSTS[..], &["environment.max_lost=0"]].concat();
+    learn(0, folder.path(), &["python3", &program], "whole", &settings);
     worker(folder.path(), &format!("if id > 30: sys.exit(3)\n{good}"));
-    let (_, stderr) = learn(1, folder.path(), &["python3", &program], "run", &COSTS);
+    let (_, stderr) = learn(1, folder.path(), &["python3", &program], "run", &settings);
     for words in ["worker 1 ended (exit status: 3)", "was tried 3 times", "hpf learn --resume", "run"] {
         assert!(stderr.contains(words), "{words} is missing from {stderr}");
     }
@@ -180,10 +189,10 @@ fn costs_that_are_no_number_and_errors_are_rejected_rollouts() {
     }
     let folder = folder();
     let body = "if n % 7 == 3: say(type='done', id=id, cost=float('nan'))\n\
-                elif n % 7 == 4: say(type='done', id=id, error='a joint limit')\n\
+                elif n % 7 == 4: say(type='done', id=id, error='a joint\x1b[2J limit')\n\
                 else: say(type='done', id=id, cost=cost(request))";
     let (_, stderr) = learn(0, folder.path(), &["python3", &worker(folder.path(), body)], "run", &COSTS);
-    assert!(stderr.contains("a joint limit"), "{stderr}");
+    assert!(stderr.contains("a joint\\u{1b}[2J limit") && !stderr.contains('\u{1b}'), "{stderr:?}");
     let summary = json(folder.path().join("run/summary.json"));
     assert!(summary["rejected_rollouts"].as_u64().unwrap() > 0);
     assert!(summary["cost"]["final"]["total"].as_f64().unwrap().is_finite());
@@ -196,6 +205,11 @@ fn what_does_not_start_or_fit_is_refused_by_name() {
     assert!(stderr.contains("cannot start `no-such-program`"), "{stderr}");
     let (_, stderr) = learn(2, folder.path(), &["true"], "run", &COSTS);
     assert!(stderr.contains("worker 1 ended (exit status: 0)"), "{stderr}");
+    let sleep = [&COSTS[..3], &["environment.timeout=0.5"]].concat();
+    let (_, stderr) = learn(2, folder.path(), &["sleep", "60"], "run", &sleep);
+    assert!(stderr.contains("worker 1 did not answer within 0.5 s"), "{stderr}");
+    let (_, stderr) = learn(2, folder.path(), &["cat", "/dev/zero"], "run", &COSTS);
+    assert!(stderr.contains("worker 1 printed a line of more than 75232 bytes"), "{stderr}");
     let (_, stderr) = learn(2, folder.path(), &["echo", "hello"], "run", &COSTS);
     assert!(stderr.contains("printed `hello`"), "{stderr}");
     let second = r#"{"type":"ready","protocol":2,"answers":"costs"}"#;
@@ -210,4 +224,191 @@ fn what_does_not_start_or_fit_is_refused_by_name() {
     let (_, stderr) = learn(2, folder.path(), &["true"], "run", &pushed);
     assert!(stderr.contains("is simulated, and the rollouts of this task are not"), "{stderr}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
+}
+
+/// A robot program that registers in a folder, and reports another one that is alive; the first of them hangs once. As
+/// `child` it is meant to be run by a launcher, as `daemon` the robot is held by a process that has left the group and
+/// hears no SIGTERM.
+const ROBOT: &str = r#"
+import json, os, signal, sys, time
+folder, kind = sys.argv[1:]
+def is_alive(pid):
+    try: return open(f"/proc/{pid}/stat").read().rsplit(")", 1)[1].split()[0] not in "ZX"
+    except OSError: return False
+def hold():
+    others = [pid for pid in os.listdir(folder) if is_alive(pid)]
+    if others: open(folder + "-overlap", "w").close()
+    open(f"{folder}/{os.getpid()}", "w").close()
+before = len(os.listdir(folder))
+if kind == "daemon":
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork(): os._exit(0)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        os.close(0); os.close(1)
+        hold()
+        time.sleep(600)
+        os._exit(0)
+    while len(os.listdir(folder)) == before: time.sleep(0.01)
+else: hold()
+sys.stdin.readline()
+print(json.dumps({"type": "ready", "protocol": 1, "answers": "costs"}), flush=True)
+for n, line in enumerate(sys.stdin, 1):
+    request = json.loads(line)
+    if before == 0 and n == 2: time.sleep(600)
+    cost = sum((k - 300.0) ** 2 for k in request["axes"][0]["weights"]["stiffness"])
+    print(json.dumps({"type": "done", "id": request["id"], "cost": cost}), flush=True)
+"#;
+
+#[test]
+#[cfg(target_os = "linux")]
+fn what_a_launcher_started_is_gone_before_another_starts_and_at_the_end() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder();
+    let robot = folder.path().join("robot.py").display().to_string();
+    fs::write(&robot, ROBOT).unwrap();
+    for kind in ["child", "daemon"] {
+        let held = folder.path().join(kind);
+        fs::create_dir(&held).unwrap();
+        let script = format!("python3 '{robot}' '{}' {kind}; true", held.display());
+        let settings = [&COSTS[..3], &["learning.updates=2", "environment.workers=1"]].concat();
+        let (_, stderr) = learn(0, folder.path(), &["sh", "-c", &script], &format!("run-{kind}"), &settings);
+        assert!(stderr.contains("did not answer within"), "{stderr}");
+        assert!(!folder.path().join(format!("{kind}-overlap")).exists(), "two robot programs at once");
+        let robots: Vec<String> =
+            fs::read_dir(&held).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        assert_eq!(robots.len(), 2, "one that hung, one in its place");
+        for robot in robots {
+            let stat = fs::read_to_string(format!("/proc/{robot}/stat")).unwrap_or_default();
+            let state = stat.rsplit(')').next().and_then(|rest| rest.split_whitespace().next());
+            assert!(state.is_none_or(|state| "ZX".contains(state)), "{robot} is left: {stat}");
+        }
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_lets_no_program_start_and_ends_all_workers_at_once() {
+    if !has_python() {
+        return;
+    }
+    const WORKERS: usize = 8;
+    let folder = folder();
+    let starts = folder.path().join("starts");
+    let asked = folder.path().join("asked").display().to_string();
+    fs::create_dir(&starts).unwrap();
+    let program = folder.path().join("deaf.py").display().to_string();
+    let text = format!(
+        "import json, os, signal, sys, time\n\
+         signal.signal(signal.SIGTERM, signal.SIG_IGN)\n\
+         open(f'{}/{{os.getpid()}}', 'w').close()\n\
+         sys.stdin.readline()\n\
+         print(json.dumps(dict(type='ready', protocol=1, answers='costs')), flush=True)\n\
+         for line in sys.stdin:\n    open({asked:?}, 'w').close()\n    time.sleep(1)\n    sys.exit(3)\n\
+         time.sleep(600)\n",
+        starts.display()
+    );
+    fs::write(&program, text).unwrap();
+    let count = format!("environment.workers={WORKERS}");
+    let settings = [&COSTS[..3], &["environment.timeout=60.0", &count]].concat();
+    let words = arguments(&["python3", &program], "run", &settings);
+    let mut hpf = command(folder.path(), &words.iter().map(String::as_str).collect::<Vec<_>>())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !Path::new(&asked).exists() {
+        assert_eq!(hpf.try_wait().unwrap(), None, "it ended by itself");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let since = std::time::Instant::now();
+    Command::new("kill").args(["-TERM", &hpf.id().to_string()]).status().unwrap();
+    let output = hpf.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert_eq!(fs::read_dir(&starts).unwrap().count(), WORKERS, "a program was started after the signal: {stderr}");
+    // 2 s to end by itself and 2 s to hear SIGTERM: less than half of what one worker after the other takes.
+    let most = Duration::from_secs(1 + 4 * WORKERS as u64 / 2);
+    assert!(since.elapsed() < most, "{:?}", since.elapsed());
+    assert!(stderr.contains("interrupted"), "{stderr}");
+    assert!(!folder.path().join("run.partial").exists() && !folder.path().join("run").exists());
+}
+
+#[test]
+fn a_motion_that_crashes_every_time_is_rejected_and_learning_goes_on_within_its_budget() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder();
+    let body = "if id % 20 == 7: os.abort()\nsay(type='done', id=id, cost=cost(request))";
+    let program = worker(folder.path(), body);
+    let (_, stderr) = learn(0, folder.path(), &["python3", &program], "run", &COSTS);
+    assert!(stderr.contains("rollout 7 was tried 3 times and is given up, as 1 of at most 20"), "{stderr}");
+    assert!(stderr.contains("rollout 27 was tried 3 times and is given up, as 2 of at most 20"), "{stderr}");
+    let summary = json(folder.path().join("run/summary.json"));
+    assert!(summary["cost"]["final"]["total"].as_f64() < summary["cost"]["initial"]["total"].as_f64());
+    let settings = [&COSTS[..], &["environment.max_lost=1"]].concat();
+    let (_, stderr) = learn(1, folder.path(), &["python3", &program], "less", &settings);
+    assert!(stderr.contains("environment.max_lost = 1 were given up before"), "{stderr}");
+    assert!(stderr.contains("hpf learn --resume"), "{stderr}");
+}
+
+#[test]
+fn a_start_that_fails_its_motion_is_learned_from_where_a_motion_near_it_does_not() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder();
+    for failure in
+        ["say(type='done', id=id, error='a joint limit')", "say(type='done', id=id, cost=float('nan'))", "sys.exit(3)"]
+    {
+        for method in ["pi2", "cma-es", "auto"] {
+            let body = format!("if id < 4: {failure}\nelse: say(type='done', id=id, cost=cost(request))");
+            let program = worker(folder.path(), &body);
+            let method = format!("learning.method={method}");
+            let settings = [&COSTS[..], &[method.as_str()]].concat();
+            let (stdout, _) = learn(0, folder.path(), &["python3", &program], "run", &settings);
+            assert!(stdout.contains("the start failed its motion"), "{method}: {stdout}");
+            let summary = json(folder.path().join("run/summary.json"));
+            let cost = |when: &str| summary["cost"][when]["total"].as_f64().unwrap();
+            assert!(cost("final") < cost("initial"), "{method}");
+            assert!(summary["rejected_rollouts"].as_u64().unwrap() >= 3);
+            fs::remove_dir_all(folder.path().join("run")).unwrap();
+        }
+    }
+    let program = worker(folder.path(), "say(type='done', id=id, error='no power')");
+    let (_, stderr) = learn(2, folder.path(), &["python3", &program], "run", &COSTS);
+    assert!(stderr.contains("neither has any of 50 tried near it"), "{stderr}");
+}
+
+#[test]
+fn a_program_is_looked_for_where_its_task_is_also_by_a_run_that_goes_on_from_elsewhere() {
+    if !has_python() {
+        return;
+    }
+    let (folder, elsewhere) = (folder(), tempfile::tempdir().unwrap());
+    let lab = folder.path().join("my lab");
+    fs::create_dir(&lab).unwrap();
+    fs::copy(toml(), lab.join("arm.toml")).unwrap();
+    let broken = lab.join("broken");
+    fs::write(&broken, "").unwrap();
+    worker(&lab, "if id > 12 and os.path.exists('broken'): sys.exit(3)\nsay(type='done', id=id, cost=cost(request))");
+    let mut words =
+        vec!["learn", "my lab/arm.toml", "--quiet", "--set", "environment.command=[\"python3\", \"worker.py\"]"];
+    words.extend(COSTS.iter().chain(&["environment.max_lost=0"]).flat_map(|setting| ["--set", setting]));
+    expect(1, folder.path(), &[&words[..], &["--out", "run"]].concat());
+    fs::remove_file(&broken).unwrap();
+    let run = folder.path().join("run").display().to_string();
+    let (stdout, _) = expect(0, elsewhere.path(), &["learn", "--resume", &run, "--quiet"]);
+    expect(0, folder.path(), &[&words[..], &["--out", "whole"]].concat());
+    expect_same_run(&folder.path().join("whole"), &folder.path().join("run"));
+    // The next step that is named can be made.
+    let next = stdout.lines().find_map(|line| line.strip_prefix("next: hpf ")).expect("a next step");
+    expect(0, folder.path(), &next.split(' ').collect::<Vec<_>>());
+    // A folder of its own is one beside the task.
+    let moved = [&words[..], &["--set", "environment.folder=..", "--out", "moved"]].concat();
+    let (_, stderr) = expect(2, folder.path(), &moved);
+    assert!(stderr.contains("worker 1 ended"), "{stderr}");
 }

@@ -13,6 +13,9 @@ const LOCK: &str = ".lock";
 /// What learning was told so far, in a run that can go on.
 pub const CHECKPOINT: &str = "checkpoint";
 
+/// What a run came to: written last, so that a directory without a checkpoint that has it is whole.
+const SUMMARY: &str = "summary.json";
+
 /// Folders inside a run directory.
 const FOLDERS: [&str; 2] = ["plots", "snapshots"];
 
@@ -103,7 +106,7 @@ impl Unfinished {
         }
         let partial = target.with_added_extension("partial");
         if exists(&partial) {
-            if !partial.join(CHECKPOINT).is_file() {
+            if !partial.join(CHECKPOINT).is_file() && !partial.join(SUMMARY).is_file() {
                 return refuse(&partial, "has no checkpoint to go on from; learn the task again with --force");
             }
             if exists(&target) && !is_empty_directory(&target) && !force {
@@ -111,7 +114,7 @@ impl Unfinished {
             }
         } else if target.join(CHECKPOINT).is_file() {
             fs::rename(&target, &partial).map_err(while_writing(&partial))?;
-        } else if target.join("summary.json").is_file() {
+        } else if target.join(SUMMARY).is_file() {
             return refuse(
                 &target,
                 "is finished: there is nothing to go on with; hpf learn TASK --from RUN --out OTHER learns further",
@@ -128,6 +131,11 @@ impl Unfinished {
             fs::create_dir(folder).map_err(while_writing(folder))?;
         }
         Ok(Self { target, partial, files: Vec::new(), is_resumable: true, _lock: lock })
+    }
+
+    /// Whether nothing is missing but its name: a kill came when all else was done.
+    pub fn is_whole(&self) -> bool {
+        !self.path(CHECKPOINT).is_file() && self.path(SUMMARY).is_file()
     }
 
     /// From now on a failure leaves the directory to a resumed run.
@@ -160,13 +168,21 @@ impl Unfinished {
         &self.files
     }
 
-    /// Gives the directory its name; what it replaces is removed last, and before it the checkpoint, unless `is_open`:
-    /// a kill in between leaves a whole run.
+    /// Gives the directory its name, when it is what it is to be under it: without the lock and, unless `is_open`, without
+    /// the checkpoint. What it replaces is removed last. A kill in between leaves a whole run, under its name or the one
+    /// before it, and a power cut finds the files on the disk before the checkpoint goes.
     ///
     /// # Errors
     /// [`Failure::Work`] that says where the results are.
     pub fn finish(self, is_open: bool) -> Result<(), Failure> {
         let swap = || -> io::Result<()> {
+            for folder in FOLDERS.map(|folder| self.partial.join(folder)).iter().chain([&self.partial]) {
+                sync(folder);
+            }
+            let checkpoint = self.partial.join(CHECKPOINT);
+            if !is_open && checkpoint.is_file() {
+                fs::remove_file(checkpoint)?;
+            }
             fs::remove_file(self.partial.join(LOCK))?;
             for folder in FOLDERS.map(|folder| self.partial.join(folder)) {
                 if is_empty_directory(&folder) {
@@ -179,9 +195,8 @@ impl Unfinished {
                 fs::rename(&self.target, &old)?;
             }
             fs::rename(&self.partial, &self.target)?;
-            let checkpoint = self.target.join(CHECKPOINT);
-            if !is_open && checkpoint.is_file() {
-                fs::remove_file(checkpoint)?;
+            if let Some(parent) = self.target.parent() {
+                sync(parent);
             }
             if replaces { fs::remove_dir_all(&old) } else { Ok(()) }
         };
@@ -215,6 +230,12 @@ impl Unfinished {
     }
 }
 
+/// Has what was made and named in a folder reach the disk, where the system can do that for folders.
+fn sync(folder: &Path) {
+    // Where it cannot, names reach the disk in an order of its own.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+}
+
 fn exists(path: &Path) -> bool {
     path.symlink_metadata().is_ok()
 }
@@ -243,5 +264,25 @@ fn discard(partial: &Path, force: bool) -> Result<(), Failure> {
     if !force {
         return refuse("holds a run that was broken off; go on with it by --resume, or pass --force to discard it");
     }
-    fs::remove_dir_all(partial).map_err(while_writing(partial))
+    clear(partial).map_err(while_writing(partial))
+}
+
+/// Removes a broken-off run: first what would let it pass for a whole one, last what tells whose it is, so that a kill in
+/// between leaves what can be removed again.
+fn clear(partial: &Path) -> io::Result<()> {
+    let marks = ["task.toml", LOCK];
+    let remove = |name: &str| match fs::remove_file(partial.join(name)) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    };
+    remove(SUMMARY)?;
+    for entry in fs::read_dir(partial)? {
+        let entry = entry?;
+        if marks.iter().any(|mark| entry.file_name() == *mark) {
+            continue;
+        }
+        if entry.file_type()?.is_dir() { fs::remove_dir_all(entry.path())? } else { fs::remove_file(entry.path())? }
+    }
+    marks.into_iter().try_for_each(remove)?;
+    fs::remove_dir(partial)
 }

@@ -213,17 +213,23 @@ impl Log {
     }
 }
 
-/// Writes the log of a run, with the measures of its motion, under a temporary name, and renames it.
+/// Writes the log of a run, with the measures of its motion, under a temporary name, and renames it. The log of learning
+/// beside it, which a kill leaves readable until then, is removed after that.
 ///
 /// # Errors
 /// What the system says; what was at `path` is untouched then.
 pub fn write(path: &Path, head: &Head<'_>, run: &Run, metrics: &[Metric]) -> io::Result<()> {
-    let partial = path.with_added_extension("partial");
+    let partial = path.with_added_extension("partial.new");
     let written = Log::create(&partial, head).and_then(|mut log| {
         log.run(run, metrics).map_err(to_io)?;
         log.finish()
     });
-    written.and_then(|()| fs::rename(&partial, path)).inspect_err(|_| {
+    let of_learning = path.with_added_extension("partial");
+    let written = written.and_then(|()| fs::rename(&partial, path)).and_then(|()| match fs::remove_file(of_learning) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    });
+    written.inspect_err(|_| {
         // The error to report is the first one; a leftover is removed as far as possible.
         let _ = fs::remove_file(&partial);
     })

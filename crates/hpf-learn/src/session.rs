@@ -29,8 +29,8 @@ use crate::drive::constant;
 use crate::elites::{choose, join};
 use crate::record::{Price, Record};
 use crate::{
-    Batch, CmaEs, Cost, Draws, Elite, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error,
-    Problem, Progress, Stop,
+    Batch, CmaEs, Cost, Draws, Elite, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error, Problem, Progress,
+    Stop,
 };
 use learner::Learner;
 use seek::{Plan, Seek, stage_of};

@@ -12,10 +12,14 @@ fn messages(text: &str) -> Vec<String> {
 
 #[test]
 fn a_process_has_defaults_and_is_nothing_to_simulate_but_the_plan() {
-    let short = POINT_MASS.replace("workers = 2 ", "").replace("timeout = 10.0", "").replace("tries = 3 ", "");
+    let short = POINT_MASS
+        .replace("workers = 2 ", "")
+        .replace("timeout = 10.0", "")
+        .replace("tries = 3 ", "")
+        .replace("max_lost = 20 ", "");
     let task = Task::parse(&short).unwrap();
     let Some(Environment::Process(process)) = &task.environment else { panic!("no process") };
-    assert_eq!((process.workers, process.timeout, process.tries), (1, 60.0, 3));
+    assert_eq!((process.workers, process.timeout, process.tries, process.max_lost), (1, 60.0, 3, 20));
     let policy = Policy::initial(&task).unwrap();
     assert_eq!(Simulation::new(&task, &policy).unwrap_err(), SimulationError::Process);
     let planned = Simulation::new(&task.as_planned(), &policy).unwrap();
@@ -38,10 +42,12 @@ fn numbers_of_a_process_have_bounds() {
         ("workers = 2 ", "workers = 0 ", "from 1 to 256"),
         ("timeout = 10.0", "timeout = 0.0", "above 0"),
         ("tries = 3 ", "tries = 0 ", "from 1 to 1000"),
+        ("max_lost = 20 ", "max_lost = -1 ", "max_lost"),
+        ("max_lost = 20 ", "max_lost = 2000000 ", "1000000"),
         ("tries = 3 ", "trys = 3 ", "did you mean `tries`"),
         ("kind = \"process\"", "kind = \"thread\"", "process"),
-        ("[\"python3\", \"examples/process/point_mass.py\"]", "[]", "command"),
-        ("[\"python3\", \"examples/process/point_mass.py\"]", "[\"\"]", "the name of the program is empty"),
+        ("[\"python3\", \"point_mass.py\"]", "[]", "command"),
+        ("[\"python3\", \"point_mass.py\"]", "[\"\"]", "the name of the program is empty"),
     ] {
         assert!(POINT_MASS.contains(from), "{from}");
         let found = messages(&POINT_MASS.replacen(from, to, 1)).join("\n");

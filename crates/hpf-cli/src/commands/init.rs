@@ -32,9 +32,8 @@ pub enum Kind {
     Process,
 }
 
-/// The program that makes the rollouts of the shipped task of kind process: its place and its text.
-const PROGRAM: (&str, &str) =
-    ("examples/process/point_mass.py", include_str!("../../../../examples/process/point_mass.py"));
+/// The program that makes the rollouts of the shipped task of kind process.
+const PROGRAM: &str = include_str!("../../../../examples/process/point_mass.py");
 
 impl Kind {
     fn name(self) -> &'static str {
@@ -82,8 +81,9 @@ pub fn init(options: &Init, common: &Common) -> Result<Outcome, Failure> {
     };
     if let Some(program) = &program {
         let name = program.file_name().unwrap_or_default().to_string_lossy();
-        let command = Value::from(program.display().to_string()).to_string();
-        text = text.replace(" point_mass.py", &format!(" {name}")).replace(&format!("{:?}", PROGRAM.0), &command);
+        // The program stands beside the task, where relative paths are looked for.
+        let command = Value::from(&*name).to_string();
+        text = text.replace(" point_mass.py", &format!(" {name}")).replace("\"point_mass.py\"", &command);
     }
     deliver(common, Some(&default), text.as_bytes(), |file| {
         let file = file.display().to_string();
@@ -105,7 +105,7 @@ fn program_beside(target: &Path, force: bool) -> Result<PathBuf, Failure> {
         return Err(Failure::Input(what.into()));
     }
     refuse_occupied(target, force)?;
-    place(&program, PROGRAM.1.as_bytes(), force)?;
+    place(&program, PROGRAM.as_bytes(), force)?;
     Ok(program)
 }
 

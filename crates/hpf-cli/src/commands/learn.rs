@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::cli::{Common, Learn};
 use hpf_sim::task::{Environment, Process};
+use serde_json::Value;
 
+use crate::cli::{Common, Learn};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, read_task, say};
+use crate::files::{LoadedTask, in_file, read_task, read_text, say};
 use crate::learning::{Learned, learn as learn_in};
 use crate::summary::Summary;
 use crate::{overrides, render, results, start};
@@ -16,6 +17,11 @@ use crate::{overrides, render, results, start};
 /// Runs `hpf learn`.
 pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     let started = Instant::now();
+    if let Some(run) = options.resume.as_ref().filter(|_| options.task.is_none())
+        && let Some(outcome) = name_whole(run, common)?
+    {
+        return Ok(outcome);
+    }
     let (loaded, mut folder, place) = match (&options.task, &options.resume) {
         (Some(task), _) => begin(task, options, common)?,
         (None, Some(run)) => resume(run, common)?,
@@ -86,11 +92,6 @@ fn begin(task: &Path, options: &Learn, common: &Common) -> Result<(LoadedTask, U
 
 /// The task and the folder of a run that was broken off: all it needs is in there.
 fn resume(run: &Path, common: &Common) -> Result<(LoadedTask, Unfinished, PathBuf), Failure> {
-    let refused = [("--seed", common.seed.is_some()), ("--out", common.out.is_some())];
-    if let Some((option, _)) = refused.iter().find(|(_, is_given)| *is_given) {
-        let message = format!("{option} does not go with --resume: a run goes on as it began, where it began");
-        return Err(Failure::Input(message));
-    }
     let mut folder = Unfinished::resume(run, common.force)?;
     let mut loaded = read_task(&folder.path("task.toml"), &[])?;
     folder.written("task.toml");
@@ -104,6 +105,25 @@ fn resume(run: &Path, common: &Common) -> Result<(LoadedTask, Unfinished, PathBu
         run.to_owned()
     };
     Ok((loaded, folder, place))
+}
+
+/// Gives a run its name that was killed when nothing else was left to do, and says what it came to; `None` for others.
+fn name_whole(run: &Path, common: &Common) -> Result<Option<Outcome>, Failure> {
+    let refused = [("--seed", common.seed.is_some()), ("--out", common.out.is_some())];
+    if let Some((option, _)) = refused.iter().find(|(_, is_given)| *is_given) {
+        let message = format!("{option} does not go with --resume: a run goes on as it began, where it began");
+        return Err(Failure::Input(message));
+    }
+    let folder = Unfinished::resume(run, common.force)?;
+    if !folder.is_whole() {
+        return Ok(None);
+    }
+    let path = folder.path("summary.json");
+    let summary: Value = serde_json::from_str(&read_text(&path)?).map_err(in_file(&path))?;
+    folder.finish(false)?;
+    say(&if common.json { format!("{summary:#}\n") } else { render::summary(&summary) })?;
+    let is_missed = summary["metrics"].as_array().is_some_and(|all| all.iter().any(|metric| metric["pass"] == false));
+    Ok(Some(if is_missed { Outcome::Missed } else { Outcome::Done }))
 }
 
 /// Writes everything that was learned, and says what it came to.

@@ -18,7 +18,6 @@ const ENVELOPE: usize = 1 << 16;
 /// Bytes of a number of an answer with what stands around it, at most: full digits take 26.
 const NUMBER: usize = 32;
 
-
 /// What a worker answers with.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]

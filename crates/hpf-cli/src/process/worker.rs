@@ -169,7 +169,9 @@ fn read_lines(mut reader: impl BufRead, most: usize, told: &SyncSender<Result<St
         let mut line = Vec::new();
         let line = match (&mut reader).take(most as u64 + 1).read_until(b'\n', &mut line) {
             Ok(0) => return,
-            Ok(_) if line.len() > most => Err(format!("printed a line of more than {most} bytes, the most of this task")),
+            Ok(_) if line.len() > most => {
+                Err(format!("printed a line of more than {most} bytes, the most of this task"))
+            }
             Ok(_) if line.last() != Some(&b'\n') => Err("ended in the middle of a line".into()),
             Ok(_) => String::from_utf8(line).map_err(|_| "printed a line that is not UTF-8".into()),
             Err(error) => Err(format!("cannot be read: {error}")),

@@ -69,7 +69,8 @@ impl Session {
         };
         self.stage = seek.stage(weights.clone())?;
         self.history.notes.push(Note::Sought(seek.tried()));
-        let initial = Progress { weights, rollouts: self.history.rollouts, ..self.history.initial.clone() }.priced(price);
+        let initial =
+            Progress { weights, rollouts: self.history.rollouts, ..self.history.initial.clone() }.priced(price);
         (self.history.initial, self.history.best) = (initial.clone(), initial.clone());
         Ok(Some(initial))
     }
