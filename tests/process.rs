@@ -61,7 +61,7 @@ fn worker(folder: &Path, body: &str) -> String {
 }
 
 const COSTS: [&str; 5] =
-    ["accept={}", "learning.method=pi2", "learning.updates=8", "environment.timeout=5.0", "environment.workers=1"];
+    ["accept={}", "learning.method=pi2", "learning.updates=8", "environment.timeout=60.0", "environment.workers=1"];
 
 #[test]
 fn the_example_meets_its_targets_and_gives_the_same_bytes_for_any_number_of_workers() {
@@ -71,7 +71,7 @@ fn the_example_meets_its_targets_and_gives_the_same_bytes_for_any_number_of_work
     let folder = folder();
     for workers in ["1", "3"] {
         let workers_key = format!("environment.workers={workers}");
-        learn(0, folder.path(), &["python3", &example()], workers, &[&workers_key]);
+        learn(0, folder.path(), &["python3", &example()], workers, &[&workers_key, "environment.timeout=60.0"]);
     }
     let path = |name: &str| folder.path().join(name);
     for file in ["policy.json", "learning.csv", "trajectory.csv"] {
@@ -94,7 +94,7 @@ fn costs_alone_are_learned_too_and_a_kill_or_ctrl_c_is_gone_on_from() {
     let folder = folder();
     for method in ["auto", "pi2", "cma-es"] {
         let method = format!("learning.method={method}");
-        let settings = ["accept={}", "learning.updates=8", method.as_str()];
+        let settings = ["accept={}", "learning.updates=8", "environment.timeout=60.0", method.as_str()];
         let program = ["python3", &example(), "--costs"];
         learn(0, folder.path(), &program, "whole", &settings);
         let summary = json(folder.path().join("whole/summary.json"));
@@ -132,7 +132,7 @@ fn a_worker_that_dies_hangs_or_babbles_is_replaced_and_named_and_changes_no_resu
     // Each does it once, and leaves a mark that it did.
     for (trouble, words) in [
         ("sys.exit(7)", "ended (exit status: 7)"),
-        ("time.sleep(60)", "did not answer within 3 s"),
+        ("time.sleep(60)", "did not answer within 10 s"),
         ("sys.exit(0)", "ended (exit status: 0)"),
         ("os.close(1); time.sleep(60)", "closed its output"),
         ("os.write(1, b'{\"type\": \"do'); sys.exit(0)", "ended in the middle of a line"),
@@ -150,7 +150,7 @@ fn a_worker_that_dies_hangs_or_babbles_is_replaced_and_named_and_changes_no_resu
              else: say(type='done', id=id, cost=cost(request))"
         );
         let bad = worker(folder.path(), &body);
-        let settings = [&COSTS[..3], &["environment.timeout=3.0", "environment.workers=1"]].concat();
+        let settings = [&COSTS[..3], &["environment.timeout=10.0", "environment.workers=1"]].concat();
         let (_, stderr) = learn(0, folder.path(), &["python3", &bad], "bad", &settings);
         assert!(!stderr.contains('\u{1b}'), "{stderr:?}");
         assert!(stderr.contains("worker 1 ") && stderr.contains(words) && stderr.contains("is made again"), "{stderr}");
