@@ -229,6 +229,7 @@ fn what_does_not_start_or_fit_is_refused_by_name() {
 /// A robot program that registers in a folder, and reports another one that is alive; the first of them hangs once. As
 /// `child` it is meant to be run by a launcher, as `daemon` the robot is held by a process that has left the group and
 /// hears no SIGTERM.
+#[cfg(target_os = "linux")]
 const ROBOT: &str = r#"
 import json, os, signal, sys, time
 folder, kind = sys.argv[1:]

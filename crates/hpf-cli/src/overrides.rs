@@ -139,7 +139,9 @@ mod tests {
         }
         assert_eq!(without("a = { c = 2, b = 1 }\n", "a", &["c"]).unwrap().replace(' ', ""), "a={b=1}\n");
         assert_eq!(without(TEXT, "a", &["c"]).unwrap(), TEXT);
-        assert_eq!(quoted("a\"b\\"), "'a\"b\\'");
+        let text = "C:\\my \"lab\"\\a'b";
+        let document: DocumentMut = format!("folder = {}", quoted(text)).parse().unwrap();
+        assert_eq!(document["folder"].as_str(), Some(text));
     }
 
     #[test]
