@@ -7,26 +7,30 @@
 use crate::Real;
 use crate::domain::{TINY, tiny_phase};
 
-/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far; what is below `tiny` is zero.
+/// A remainder below is zero: changes of a millionth of a millionth of [`TINY`] still count.
+const TINY_REMAINDER: f64 = 1e-30;
+
+/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far; each is zero below its `tiny`.
 #[inline(always)]
-fn add<T: Real>(value: &mut T, remainder: &mut T, change: T, tiny: T) {
-    let flushed = |x: T| x.abs().select_below(tiny, T::ZERO, x);
+fn add<T: Real>(value: &mut T, remainder: &mut T, change: T, tiny: [T; 2]) {
+    let flushed = |x: T, tiny: T| x.abs().select_below(tiny, T::ZERO, x);
+    let [tiny, tiny_remainder] = tiny;
     let change = change + *remainder;
     let sum = *value + change;
-    *remainder = flushed(change - (sum - *value));
-    *value = flushed(sum);
+    *remainder = flushed(change - (sum - *value), tiny_remainder);
+    *value = flushed(sum, tiny);
 }
 
 /// Adds `change` to a motion's `value`, of which `remainder` has been lost in rounding so far. What dies away becomes zero.
 #[inline(always)]
 pub(crate) fn accumulate<T: Real>(value: &mut T, remainder: &mut T, change: T) {
-    add(value, remainder, change, T::of(TINY));
+    add(value, remainder, change, [T::of(TINY), T::of(TINY_REMAINDER)]);
 }
 
 /// The same for a phase, which counts down to smaller numbers.
 #[inline(always)]
 pub(crate) fn accumulate_phase<T: Real>(phase: &mut T, remainder: &mut T, change: T) {
-    add(phase, remainder, change, tiny_phase());
+    add(phase, remainder, change, [tiny_phase(), tiny_phase::<T>() * T::of(1e-6)]);
 }
 
 /// `a + b`, and what rounding takes from it, whichever is larger (Knuth's two-sum).
