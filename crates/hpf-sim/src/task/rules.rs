@@ -3,6 +3,8 @@
 use core::fmt::Display;
 use std::collections::HashSet;
 
+use hpf_core::domain::{ALPHA, DECAY, LARGEST, SMALLEST};
+
 use super::keys::{Document, unknown};
 use super::learning::PRIMITIVES;
 use super::{
@@ -21,6 +23,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     let named = rules.names();
     rules.steps();
     rules.per_axis();
+    rules.domain();
     rules.gain("stiffness", &task.stiffness);
     rules.gain("damping", &task.damping);
     rules.scaling();
@@ -151,7 +154,36 @@ impl Rules<'_, '_, '_> {
                 if number < 0.0 || (positive && number == 0.0) {
                     let message = format!("`{key}` is out of range: {number}");
                     self.say(&element(path, value, i), message, format!("`{key}` must be {least}"));
+                } else if positive {
+                    let bounds = if path == "movement.alpha" { ALPHA } else { [SMALLEST, LARGEST] };
+                    self.within(&element(path, value, i), key, number, bounds);
                 }
+            }
+        }
+    }
+
+    /// A number that a controller could not work with.
+    fn within(&mut self, path: &str, key: &str, number: f64, [least, most]: [f64; 2]) {
+        // Not finite: told already.
+        if number.is_finite() && !(least..=most).contains(&number) {
+            let help = format!("`{key}` must lie between {} and {}", plain(least), plain(most));
+            self.say(path, format!("`{key}` is out of range: {}", plain(number)), help);
+        }
+    }
+
+    /// Bounds of what is one number for all axes, and of the ends of the motion.
+    fn domain(&mut self) {
+        let task = self.task;
+        if task.duration > 0.0 {
+            self.within("duration", "duration", task.duration, [SMALLEST, LARGEST]);
+        }
+        // Above the largest: told already.
+        if task.phase.decay > 0.0 && task.phase.decay <= DECAY[1] {
+            self.within("phase.decay", "decay", task.phase.decay, DECAY);
+        }
+        for (i, axis) in task.axis.iter().enumerate() {
+            for (key, number) in [("start", axis.start), ("goal", axis.goal)] {
+                self.within(&format!("axis.{i}.{key}"), key, number, [-LARGEST, LARGEST]);
             }
         }
     }
