@@ -59,7 +59,7 @@ impl Problem for Bowl {
 fn methods() -> [Method; 3] {
     [
         Method::Pi2(Pi2Options { updates: 30, ..Pi2Options::default() }),
-        Method::CmaEs(CmaEsOptions { updates: 30, ..CmaEsOptions::default() }),
+        Method::CmaEs(CmaEsOptions { rollouts: 10, updates: 30, seed: 1 }),
         Method::Auto(AutoOptions { rollouts: 4, updates: 30, seed: 1 }),
     ]
 }
