@@ -176,6 +176,7 @@ impl Log {
             acceleration_cost: term(),
             stiffness_cost: term(),
             damping_cost: term(),
+            rest_cost: term(),
         };
         self.send(Topic::Update, self.update_time(row), &message)
     }

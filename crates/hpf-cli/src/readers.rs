@@ -55,7 +55,7 @@ pub fn task(bytes: &[u8]) -> bool {
         && let Ok(weights) = simulation.starting_weights(&policy)
     {
         let trace = simulation.rollout(&weights);
-        assert_eq!(trace.time.len(), task.steps() + 1);
+        assert_eq!((trace.time.len(), trace.steps()), (task.steps() + task.rest_steps() + 1, task.steps()));
         simulation.metrics(&trace);
     }
     true

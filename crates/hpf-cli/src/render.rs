@@ -140,6 +140,10 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
     let mut text = format!("{}: a valid task\n", task.name);
     let steps = task.steps();
     let _ = writeln!(text, "  motion      {} s at {} Hz, {steps} steps", task.duration, task.rate);
+    match task.rest_steps() {
+        0 => text += "  rest        motions of a process end at the duration: `cost.rest` counts for nothing\n",
+        _ => _ = writeln!(text, "  rest        {} s after it", number(task.rest_time())),
+    }
     for axis in &task.axis {
         let unit = if axis.unit == Unit::M { "m" } else { "rad" };
         let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
@@ -245,6 +249,8 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
         );
         let _ = writeln!(text, "    contact   softer than {contact} {stiffness} (damping at least {least} {damping})");
         let _ = writeln!(text, "    reference at most {velocity} {unit}/s, {acceleration} {unit}/s^2");
+        let rest = measure(certificate.rest_distance, unit);
+        let _ = writeln!(text, "    rest      reference within {rest} of the goal after the end, where nothing pushes");
     }
     text
 }

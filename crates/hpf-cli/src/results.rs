@@ -87,14 +87,17 @@ pub fn read_learning(text: &str) -> io::Result<Vec<LearningRow>> {
         let [update, rollouts, total, terms @ .., exploration] = record.as_slice() else {
             return Err(bad("a row of learning.csv is too short"));
         };
-        if terms.len() != Term::ALL.len() {
+        // Version 0.1 had no cost of rest.
+        if terms.len() != Term::ALL.len() && terms.len() != Term::Rest as usize {
             return Err(bad("learning.csv has other cost terms than this version"));
         }
+        let mut terms = terms.to_vec();
+        terms.resize(Term::ALL.len(), 0.0);
         rows.push(LearningRow {
             update: *update as usize,
             rollouts: *rollouts as usize,
             total: *total,
-            terms: terms.to_vec(),
+            terms,
             exploration: *exploration,
         });
     }
@@ -185,8 +188,10 @@ pub fn read_trajectory(task: &Task, text: &str) -> io::Result<Trace> {
             signal.push(number);
         }
     }
-    let (rows, samples) = (trace.time.len(), task.steps() + 1);
-    if rows != samples {
+    // A motion made by a process, or by an earlier version, ends at the duration.
+    let (rows, samples) = (trace.time.len(), task.steps() + 1 + task.rest_steps());
+    trace.rest_steps = rows.saturating_sub(task.steps() + 1);
+    if rows != samples && rows != task.steps() + 1 {
         return Err(bad(other_rows(rows, samples)));
     }
     if let (Some(signals), Some(contact)) = (&mut trace.contact, &task.contact) {

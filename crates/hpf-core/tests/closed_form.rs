@@ -1,7 +1,7 @@
 //! Every kernel against the closed form of its equation.
 
 use hpf_core::admittance::{Instant, relax, step_offset};
-use hpf_core::{Movement, MovementState, Phase, Transition};
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, MovementState, Phase, Transition};
 
 const ALPHA: f64 = 25.0;
 
@@ -295,4 +295,47 @@ fn pausing_changes_nothing_but_the_clock() {
     assert_close(paused[82].1, paused[79].1, 1e-16); // g + (x - g) may round once
     assert_eq!(paused[202].0, nominal[199].0);
     assert_close(paused[202].1, nominal[199].1, 1e-16);
+}
+
+/// Up to the duration the forcing is the paper's; from 1.1 durations on the reference is the bare spring, whose closed
+/// form from the state there is written out here.
+#[test]
+fn after_its_duration_the_forcing_fades_to_exactly_zero() {
+    let decay = 100.0_f64.ln();
+    let phase = Phase::new(2.0, decay).unwrap();
+    let basis = Basis::equally_spaced(decay, 0.6, [0.0; 9], [0.0; 9]).unwrap();
+    let weights = [900.0, -700.0, 400.0, 0.0, -2500.0, 3000.0, -1000.0, 5000.0, 8000.0];
+    let axis = AxisPrimitives {
+        movement: Movement::new(0.1, 0.4, 25.0, 0.3, weights).unwrap(),
+        stiffness: Gain::new(30.0, 400.0, [100.0; 9]).unwrap(),
+        damping: Gain::new(10.0, 100.0, [50.0; 9]).unwrap(),
+    };
+    let skill = HybridPrimitive::new(phase, [basis; 3], [axis]).unwrap();
+    for i in 0..=100 {
+        let s = (-decay * f64::from(i) / 100.0).exp();
+        let [profile] = skill.at(s);
+        let [mixed] = basis.mix(s, [weights.as_slice()]);
+        assert!((profile.forcing - s * 0.3 * mixed).abs() <= 1e-12 * profile.forcing.abs(), "at {i} % of the duration");
+    }
+    // Between, |F| falls from its value at T, whatever the mixture does, without a jump or a kink at either end.
+    let gate = |t: f64| phase.drive(phase.at(2.0 * t)) / phase.at(2.0 * t);
+    let gates: Vec<f64> = (0..=1000).map(|i| gate(1.0 + 1e-4 * f64::from(i))).collect();
+    assert!(gates.windows(2).all(|pair| pair[1] <= pair[0]) && gates[0] == 1.0 && gates[1000] == 0.0);
+    assert!(1.0 - gates[1] < 1e-5 && gates[999] < 1e-5, "{} {}", gates[1], gates[999]);
+
+    let dt = 1e-3;
+    let mut state = skill.initial_state();
+    for _ in 0..2200 {
+        skill.step(&mut state, [0.0], 1.0, dt);
+    }
+    let [at] = state.axes;
+    let (y, z, p) = (at.reference.position - 0.4, at.reference.scaled_velocity, 12.5);
+    assert!(y.abs() > 1e-3, "it is not at rest there by chance: {y}");
+    for step in 1..=1000 {
+        skill.step(&mut state, [0.0], 1.0, dt);
+        let u = f64::from(step) * dt / 2.0;
+        let exact = 0.4 + (y + (z + p * y) * u) * (-p * u).exp();
+        let found = state.axes[0].reference.position;
+        assert!((found - exact).abs() < 1e-12, "{found} {exact} {u} after the fade");
+    }
 }

@@ -30,6 +30,8 @@ pub struct Conditions {
 const INSTANTS: usize = 64;
 
 /// What one axis can do at worst.
+///
+/// The reference is that of the movement and of one duration after it, in which it comes to rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
     /// First time at which the schedule of gains is not passive from rest, with inertia as without [s].
@@ -49,6 +51,8 @@ pub struct Certificate {
     pub peak_velocity: f64,
     /// Largest acceleration of the reference, in size [axis unit/s^2].
     pub peak_acceleration: f64,
+    /// Largest distance of the reference from the goal after the duration [axis unit].
+    pub rest_distance: f64,
 }
 
 impl Policy {
@@ -158,8 +162,8 @@ fn certify(
         ),
     };
     let (movement, mut state) = (&axis.movement, skill.initial_state());
-    let (mut velocity, mut acceleration) = (0.0_f64, 0.0_f64);
-    for step in 0..=steps {
+    let (mut velocity, mut acceleration, mut rest) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for step in 0..=2 * steps {
         if step > 0 {
             skill.step(&mut state, [0.0], 1.0, h);
         }
@@ -168,6 +172,9 @@ fn certify(
         let pull = alpha * (0.25 * alpha * (movement.goal() - x) - z) + profile.forcing;
         velocity = velocity.max((z / duration).abs());
         acceleration = acceleration.max((pull / (duration * duration)).abs());
+        if step >= steps {
+            rest = rest.max((x - movement.goal()).abs());
+        }
     }
     Ok(Certificate {
         fails_at: first_order_fails_at(gains.iter().copied(), h),
@@ -178,5 +185,6 @@ fn certify(
         contact_stiffness,
         peak_velocity: velocity,
         peak_acceleration: acceleration,
+        rest_distance: rest,
     })
 }

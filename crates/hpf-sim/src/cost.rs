@@ -2,12 +2,14 @@
 //!
 //! ```text
 //! terminal:  1/2 W_goal |p(T) - g|^2 + 1/2 W_vel |v(T)|^2
+//! rest:      1/2 W_rest [|p - g|^2 + t_r^2 |v|^2] dt            after T, over the rest time; t_r = T/10
 //! once:      1/2 W_via |p(t_via) - p_via|^2                     for each via point with a time
 //!            W_dist max(0, min_t |p(t) - p_via| - r)            for each via point without one
 //! running:   1/2 [W_track (p - n)^2 + W_force (F_c - f_d)^2 + W_acc |a|^2 + W_stiff |k|^2 + W_damp |d|^2] dt
 //! ```
 //! p, v, a are the tool's actual motion, n the curve of the contact, F_c - f_d its force less the set-point (not in the
-//! paper: near a clamp a large error of force hides in a small deviation). Running terms are integrals, so a weight
+//! paper: near a clamp a large error of force hides in a small deviation). The rest term is not in the paper either: what
+//! a skill does after its end is of interest to whoever stands beside it. Running terms are integrals, so a weight
 //! means the same at any rate (the paper sums without dt). Signals at samples are integrated by the trapezoid rule; the
 //! acceleration of a step is the change of velocity over it.
 //!
@@ -20,7 +22,7 @@ mod meter;
 
 use hpf_learn::{Distance, SignalGroup};
 
-use crate::task::{PerAxis, Task, ViaPoint};
+use crate::task::{PerAxis, REST_VELOCITY_TIME, Task, ViaPoint};
 use crate::trace::Trace;
 pub(crate) use approach::Approach;
 use meter::AxisPrices;
@@ -45,11 +47,13 @@ pub enum Term {
     Stiffness,
     /// Damping.
     Damping,
+    /// Distance to the goal and velocity in the rest time.
+    Rest,
 }
 
 impl Term {
     /// All terms, in the order of every table.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Goal,
         Self::EndVelocity,
         Self::ViaPoint,
@@ -58,11 +62,21 @@ impl Term {
         Self::Acceleration,
         Self::Stiffness,
         Self::Damping,
+        Self::Rest,
     ];
 
     /// Names of all terms.
-    pub const NAMES: [&str; 8] =
-        ["goal", "end_velocity", "via_point", "tracking", "contact_force", "acceleration", "stiffness", "damping"];
+    pub const NAMES: [&str; 9] = [
+        "goal",
+        "end_velocity",
+        "via_point",
+        "tracking",
+        "contact_force",
+        "acceleration",
+        "stiffness",
+        "damping",
+        "rest",
+    ];
 }
 
 /// The weights of a task's cost, and what its terms measure against.
@@ -77,6 +91,11 @@ pub(crate) struct CostModel {
     via_distance_weight: f64,
     goal_weight: Vec<f64>,
     end_velocity_weight: Vec<f64>,
+    rest_weight: Vec<f64>,
+    /// Steps of the rest time.
+    rest_steps: usize,
+    /// t_r [s].
+    rest_velocity_time: f64,
     via_weight: Vec<f64>,
     tracking_weight: f64,
     contact_force_weight: f64,
@@ -99,6 +118,9 @@ impl CostModel {
             via_distance_weight: cost.via_distance,
             goal_weight: spread(&cost.goal),
             end_velocity_weight: spread(&cost.end_velocity),
+            rest_weight: (0..axes).map(|a| task.rest_weight(a)).collect(),
+            rest_steps: task.rest_steps(),
+            rest_velocity_time: REST_VELOCITY_TIME * task.duration,
             via_weight: spread(&cost.via_point),
             tracking_weight: cost.tracking,
             contact_force_weight: cost.contact_force,
@@ -115,6 +137,11 @@ impl CostModel {
         self.free_via.is_empty()
     }
 
+    /// Whether rest costs something.
+    pub(crate) fn weighs_rest(&self) -> bool {
+        self.rest_weight.iter().any(|&weight| weight > 0.0)
+    }
+
     /// Number of signals of axis `a` with `steps` steps, in contact or not.
     fn signal_count(&self, a: usize, steps: usize, contact: bool) -> usize {
         let along = |weight: f64, count: usize| if weight > 0.0 { count } else { 0 };
@@ -122,6 +149,7 @@ impl CostModel {
         2 + self.via.len()
             + self.free_via.len() * (steps + 1)
             + along(self.acceleration_weight[a], steps)
+            + along(self.rest_weight[a], 2 * (self.rest_steps + 1))
             + if contact { touching } else { 0 }
     }
 
@@ -172,11 +200,20 @@ impl CostModel {
                 signals.push(self.via_weight[a].sqrt() * error);
             }
             for via in &self.free_via {
-                signals.extend(axis.position.iter().map(|position| scale * (position - via.position[a])));
+                signals.extend(axis.position[..=steps].iter().map(|position| scale * (position - via.position[a])));
             }
             let factor = (self.acceleration_weight[a] * dt).sqrt();
             if factor > 0.0 {
-                signals.extend(axis.acceleration(dt).map(|a| factor * a));
+                signals.extend(axis.acceleration(dt).take(steps).map(|a| factor * a));
+            }
+            if self.rest_weight[a] > 0.0 {
+                let time = self.rest_velocity_time;
+                let samples =
+                    axis.position[steps..].iter().zip(&axis.velocity[steps..]).zip(trapezoid(trace.rest_steps));
+                for ((position, velocity), share) in samples {
+                    let root = (self.rest_weight[a] * dt * share).sqrt();
+                    signals.extend([root * (position - self.goal[a]), root * time * velocity]);
+                }
             }
             let Some(contact) = trace.contact.as_ref().filter(|contact| contact.axis == a) else { continue };
             let roots: Vec<f64> = trapezoid(steps).map(|share| (share * dt).sqrt()).collect();

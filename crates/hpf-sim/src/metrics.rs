@@ -11,8 +11,12 @@ pub const SETTLING_TIME: f64 = 0.1;
 
 /// The measure that is a mean over draws.
 const MAX_COST: &str = "max_cost";
-/// The measure that is a root mean square over via points and draws.
+/// Measures that are root mean squares: over via points, over the rest time, and over draws.
 const RMS_VIA_ERROR: &str = "rms_via_error";
+const RMS_REST_ERROR: &str = "rms_rest_error";
+
+/// The largest distance to the goal in the rest time.
+pub const MAX_REST_ERROR: &str = "max_rest_error";
 
 /// One measure of a motion, or of a policy over the draws of its motions.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,13 +64,13 @@ impl Simulation {
         if let (Some(contact), Some(task_contact)) = (&trace.contact, &self.task.contact) {
             // A contact is along a linear axis, whatever the others are.
             let (length, force) = ("m", "N");
-            let deviation = largest(contact.deviation.iter().map(|deviation| deviation.abs()));
+            let deviation = largest(contact.deviation[..=steps].iter().map(|deviation| deviation.abs()));
             metrics.push(metric("max_deviation", length, deviation, accept.max_deviation));
             let settling = SETTLING_TIME.min(trace.time[steps]);
-            let settled = trace.time.iter().zip(&contact.force).filter(|(time, _)| **time >= settling);
+            let settled = trace.time.iter().zip(&contact.force[..=steps]).filter(|(time, _)| **time >= settling);
             let error = largest(settled.map(|(_, force)| (force - contact.set_point).abs()));
             metrics.push(metric("max_force_error", force, error, accept.max_force_error));
-            let lost = contact.force.iter().skip(1).filter(|force| **force <= 0.0).count() as f64 * trace.dt();
+            let lost = contact.force[1..=steps].iter().filter(|force| **force <= 0.0).count() as f64 * trace.dt();
             metrics.push(metric("max_contact_loss", "s", lost, accept.max_contact_loss));
             if matches!(task_contact, Contact::Wall(_)) {
                 metrics.push(metric("peak_contact_force", force, largest(contact.force.iter().copied()), None));
@@ -88,6 +92,15 @@ impl Simulation {
         metrics.push(metric("max_goal_error", length, goal, accept.max_goal_error));
         let end_speed = distance(&|_| 0.0, &|a| trace.axes[a].velocity[steps]);
         metrics.push(metric("max_end_speed", speed, end_speed, accept.max_end_speed));
+        if trace.rest_steps > 0 {
+            let error = |i: usize| distance(&|a| self.task.axis[a].goal, &|a| trace.axes[a].position[i]);
+            let errors = || (steps..trace.time.len()).map(error);
+            metrics.push(metric(MAX_REST_ERROR, length, largest(errors()), accept.max_rest_error));
+            if self.is_pushed_at_rest || accept.rms_rest_error.is_some() {
+                let square = errors().map(|error| error * error).sum::<f64>() / (1 + trace.rest_steps) as f64;
+                metrics.push(metric(RMS_REST_ERROR, length, square.sqrt(), accept.rms_rest_error));
+            }
+        }
         metrics.push(metric(MAX_COST, "", self.cost(trace).total(), accept.max_cost));
 
         let offsets = trace.axes.iter().flat_map(|axis| axis.position.iter().zip(&axis.reference_position));
@@ -111,7 +124,7 @@ pub(crate) fn over_draws(draws: Vec<Vec<Metric>>) -> Vec<Metric> {
     let count = draws.len() as f64;
     let mut draws = draws.into_iter();
     let mut metrics = draws.next().unwrap_or_default();
-    let square = |name: &str| name == RMS_VIA_ERROR;
+    let square = |name: &str| name == RMS_VIA_ERROR || name == RMS_REST_ERROR;
     for metric in metrics.iter_mut().filter(|metric| square(metric.name)) {
         metric.value *= metric.value;
     }

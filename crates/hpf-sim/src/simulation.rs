@@ -1,6 +1,7 @@
 //! Rollouts: a skill in its environment.
 //!
-//! The phase is known in advance, so the bases are evaluated once per task, at every half step; all rollouts share
+//! A rollout goes on after the duration, over [`Task::rest_time`]: the forcing term fades, forces follow their
+//! definition, contact persists, and the tool is to come to rest. The phase is known in advance, so the bases are evaluated once per task, at every half step; all rollouts share
 //! the tables. Each step goes through the kernels of `hpf-core` that a control loop runs: [`Transition`] for the
 //! reference, [`relax`] for the tool. Known forces run linearly over a step and contacts are solved together with
 //! the admittance law; where the tool meets or leaves a surface inside a step, the step is split there.
@@ -87,8 +88,11 @@ pub struct Simulation {
     blank: Trace,
     dt: f64,
     tables: Tables,
-    /// Phase at mid-steps.
-    middle_phase: Vec<f64>,
+    /// What drives the forcing term at mid-steps, of movement and rest time.
+    drive: Vec<f64>,
+    steps: usize,
+    /// Steps of a rollout that costs are taken of: with the rest time where rest costs something.
+    priced_steps: usize,
     axes: Vec<AxisModel>,
     contact: Option<ContactModel>,
     cost: CostModel,
@@ -96,6 +100,8 @@ pub struct Simulation {
     /// The first of the draws that policies are measured by: what a trace shows.
     shown: Circumstances,
     pub(crate) is_random: bool,
+    /// Whether forces last into the rest time, or differ from draw to draw: the tool then cannot rest at its goal.
+    pub(crate) is_pushed_at_rest: bool,
     robot: Option<Robot>,
     instructions: pulp::Arch,
 }
@@ -137,11 +143,13 @@ impl Simulation {
         }
         let duration = policy.duration_s;
         let dt = duration / steps as f64;
+        let rest_steps = task.rest_steps();
+        let all_steps = steps + rest_steps;
         let phase = policy.phase()?;
-        let half_steps: Vec<f64> = (0..=2 * steps).map(|h| phase.at(0.5 * dt * h as f64)).collect();
+        let half_steps: Vec<f64> = (0..=2 * all_steps).map(|h| phase.at(0.5 * dt * h as f64)).collect();
         let middle_phase: Vec<f64> = half_steps.iter().copied().skip(1).step_by(2).collect();
         let bases = policy.bases()?;
-        let time: Vec<f64> = (0..=steps).map(|i| i as f64 * dt).collect();
+        let time: Vec<f64> = (0..=all_steps).map(|i| i as f64 * dt).collect();
 
         let contact = task.contact.as_ref().and_then(|contact| {
             let axis = task.axis_index(contact.axis())?;
@@ -150,7 +158,7 @@ impl Simulation {
             Some(ContactModel {
                 axis,
                 initial_position: contact.initial_position(start),
-                surfaces: (0..=2 * steps).map(surface).collect(),
+                surfaces: (0..=2 * all_steps).map(surface).collect(),
             })
         });
         let mut parameters = 0;
@@ -179,13 +187,14 @@ impl Simulation {
         }
         let blank = Trace {
             phase: half_steps.iter().copied().step_by(2).collect(),
-            axes: vec![AxisTrace::sized(steps + 1); axes.len()],
+            rest_steps,
+            axes: vec![AxisTrace::sized(all_steps + 1); axes.len()],
             contact: contact.as_ref().zip(task.contact.as_ref()).map(|(model, contact)| ContactTrace {
                 axis: model.axis,
-                travel: (0..=steps).map(|i| contact.travel(i as f64 / steps as f64)).collect(),
+                travel: (0..=all_steps).map(|i| contact.travel(i as f64 / steps as f64)).collect(),
                 deflection: model.surfaces.iter().step_by(2).map(|surface| surface.deflection).collect(),
-                deviation: vec![0.0; steps + 1],
-                force: vec![0.0; steps + 1],
+                deviation: vec![0.0; all_steps + 1],
+                force: vec![0.0; all_steps + 1],
                 set_point: model.surfaces[0].set_point,
             }),
             time,
@@ -198,7 +207,8 @@ impl Simulation {
         };
         let counts: Vec<usize> = axes.iter().map(|axis| axis.parameters[4] - axis.parameters[0]).collect();
         let prices = |a| {
-            let [stiffness, damping] = cost.gain_prices(a, &tables.stiffness.samples(), &tables.damping.samples(), dt);
+            let [stiffness, damping] = [&tables.stiffness, &tables.damping].map(|table| table.samples(steps + 1));
+            let [stiffness, damping] = cost.gain_prices(a, &stiffness, &damping, dt);
             let goal = task.learns_goal().then(Vec::new);
             [Vec::new(), stiffness, damping].into_iter().chain(goal)
         };
@@ -210,18 +220,21 @@ impl Simulation {
         let shown = evaluation.next().expect("at least one draw");
         drop(evaluation);
         Ok(Self {
-            blocks: blocks::blocks(task, policy, &bases, &middle_phase),
+            blocks: blocks::blocks(task, policy, &bases, &middle_phase[..steps]),
             task: task.clone(),
             blank,
             dt,
             tables,
-            middle_phase,
+            drive: middle_phase.iter().map(|&s| phase.drive(s)).collect(),
+            steps,
+            priced_steps: if cost.weighs_rest() { all_steps } else { steps },
             axes,
             contact,
             cost,
             signals,
-            shown,
             is_random: task.is_random(),
+            is_pushed_at_rest: task.is_random() || shown.lasts_beyond(steps),
+            shown,
             robot: Robot::of(task, dt),
             instructions: pulp::Arch::new(),
         })
@@ -235,9 +248,9 @@ impl Simulation {
         self
     }
 
-    /// Steps of one rollout.
+    /// Steps of the movement.
     pub fn step_count(&self) -> usize {
-        self.middle_phase.len()
+        self.steps
     }
 
     /// A trace of the right size, for [`Simulation::rollout_into`].
@@ -285,7 +298,7 @@ impl Simulation {
         for (a, (model, axis)) in self.axes.iter().zip(&mut trace.axes).enumerate() {
             let contact = trace.contact.as_mut().filter(|contact| contact.axis == a);
             let profiles = self.rowwise(model, parameters);
-            self.roll_axis(a, &model.alone, &profiles, &met.axes[a], Recorder { axis, contact });
+            self.roll_axis(a, self.drive.len(), &model.alone, &profiles, &met.axes[a], Recorder { axis, contact });
         }
     }
 
@@ -294,31 +307,32 @@ impl Simulation {
         self.axes.last().map_or(0, |axis| axis.parameters[4])
     }
 
-    /// The motion of axis `a`, each sample handed to `sink`.
+    /// The motion of axis `a` over `steps`, each sample handed to `sink`.
     #[inline(always)]
     fn roll_axis<const N: usize>(
         &self,
         a: usize,
+        steps: usize,
         reference: &Reference<N>,
         profiles: &impl Profiles<N>,
         met: &Met,
         sink: impl Sink<N>,
     ) {
-        let (dt, phases, forces) = (self.dt, &self.middle_phase, &met.forces);
+        let (dt, drive, forces) = (self.dt, &self.drive[..steps], &met.forces);
         let contact = self.contact.as_ref().filter(|contact| contact.axis == a);
         if let Some(robot) = self.robot {
             let tool = Measured::new(dt, robot, met, contact, reference.inertial, reference.start());
-            return roll_rarely(reference, phases, profiles, tool, sink);
+            return roll_rarely(reference, drive, profiles, tool, sink);
         }
         match (contact, reference.inertial, self.axes[a].inertial) {
             (Some(contact), _, Some(law)) => {
                 let held = [self.axes[a].largest_stiffness, reference.start().to_f64()];
                 let tool = TouchingInertial::new(dt, forces, contact, law, held);
-                roll_rarely(reference, phases, profiles, tool, sink);
+                roll_rarely(reference, drive, profiles, tool, sink);
             }
-            (Some(contact), ..) => roll(reference, phases, profiles, Touching::new(dt, forces, contact), sink),
-            (None, Some(law), _) => roll(reference, phases, profiles, FreeInertial::new(dt, forces, law), sink),
-            (None, None, _) => roll(reference, phases, profiles, Free::new(dt, forces), sink),
+            (Some(contact), ..) => roll(reference, drive, profiles, Touching::new(dt, forces, contact), sink),
+            (None, Some(law), _) => roll(reference, drive, profiles, FreeInertial::new(dt, forces, law), sink),
+            (None, None, _) => roll(reference, drive, profiles, Free::new(dt, forces), sink),
         }
     }
 }
@@ -327,12 +341,12 @@ impl Simulation {
 #[inline(never)]
 fn roll_rarely<const N: usize>(
     reference: &Reference<N>,
-    middle_phase: &[f64],
+    drive: &[f64],
     profiles: &impl Profiles<N>,
     tool: impl Tool<N>,
     sink: impl Sink<N>,
 ) {
-    roll(reference, middle_phase, profiles, tool, sink);
+    roll(reference, drive, profiles, tool, sink);
 }
 
 /// Writes the samples of one axis into its trace.

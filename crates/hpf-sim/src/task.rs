@@ -39,6 +39,15 @@ pub const MAX_STEPS: usize = 1_000_000;
 pub const MAX_NUMBERS: usize = 50_000_000;
 /// Largest task file read [bytes].
 pub const MAX_TASK_BYTES: usize = 1 << 20;
+/// Distance from the goal, as a share of that at the duration, to which the reference settles within the rest time.
+pub const SETTLED: f64 = 0.01;
+/// Longest rest time, in durations.
+pub const MAX_REST: f64 = 2.0;
+/// What a velocity is multiplied by in the cost of rest, in durations.
+pub const REST_VELOCITY_TIME: f64 = 0.1;
+
+/// `2 u` where `(1 + u) exp(-u)` is [`SETTLED`]: how a critically damped spring settles.
+const SETTLING: f64 = 13.276_704_135_987_623;
 /// Goal scaling needs a goal at least this far from the start [axis unit]: the forcing term is scaled by it.
 pub const MIN_GOAL_DISTANCE: f64 = 1e-6;
 
@@ -98,6 +107,9 @@ pub struct Task {
     /// Targets.
     #[serde(default)]
     pub accept: Accept,
+    /// Whether motions end at the duration, without a rest time: those that a process makes do.
+    #[serde(skip)]
+    pub ends_at_duration: bool,
 }
 
 /// One degree of freedom.
@@ -261,6 +273,9 @@ pub struct CostWeights {
     pub goal: PerAxis,
     /// Velocity at the end [s^2/unit^2].
     pub end_velocity: PerAxis,
+    /// Rest: distance to the goal, and a tenth of the duration times the velocity, integrated over the rest time after the
+    /// duration [1/(unit^2 s)]. The preset `paper` leaves it out.
+    pub rest: PerAxis,
     /// Distance to each via point at its time [1/unit^2].
     pub via_point: PerAxis,
     /// Distance of the nearest sample to each via point that has no time, beyond its radius; the weight times the
@@ -316,6 +331,12 @@ pub struct Accept {
     /// Largest distance to the goal at the end [m].
     #[schemars(range(min = 0))]
     pub max_goal_error: Option<f64>,
+    /// Largest distance to the goal in the rest time after the duration [m].
+    #[schemars(range(min = 0))]
+    pub max_rest_error: Option<f64>,
+    /// Root of the mean square distance to the goal in the rest time, over all draws [m].
+    #[schemars(range(min = 0))]
+    pub rms_rest_error: Option<f64>,
     /// Largest speed at the end [m/s].
     #[schemars(range(min = 0))]
     pub max_end_speed: Option<f64>,
@@ -411,6 +432,29 @@ impl Task {
     /// Steps of one rollout: duration times rate.
     pub fn steps(&self) -> usize {
         (self.duration * self.rate).round() as usize
+    }
+
+    /// Time [s] that a rollout goes on after the duration: the forcing term fades, then the reference settles to
+    /// [`SETTLED`] of its distance from the goal, on the slowest axis; at most [`MAX_REST`] durations, a whole number of
+    /// steps. No time where motions end at the duration.
+    pub fn rest_time(&self) -> f64 {
+        self.rest_steps() as f64 * (self.duration / self.steps() as f64)
+    }
+
+    /// Steps of [`Task::rest_time`].
+    pub fn rest_steps(&self) -> usize {
+        if self.environment.is_some() || self.ends_at_duration {
+            return 0;
+        }
+        let alpha = self.movement.alpha.values().iter().copied().fold(f64::INFINITY, f64::min);
+        let durations = (hpf_core::phase::FADE + SETTLING / alpha).min(MAX_REST);
+        (durations * self.steps() as f64).ceil() as usize
+    }
+
+    /// Weight of the cost of rest on axis `index` that counts: zero where motions end at the duration.
+    pub(crate) fn rest_weight(&self, index: usize) -> f64 {
+        let is_left_out = self.rest_steps() == 0 || self.learning.preset == Preset::Paper;
+        if is_left_out { 0.0 } else { self.cost.rest.of(index) }
     }
 
     /// Whether motions differ by more than their policy: something is drawn.

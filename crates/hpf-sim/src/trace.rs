@@ -1,12 +1,14 @@
 //! What a rollout leaves behind: one number per sample of every signal. Every table, log and picture reads it.
 
-/// The signals of one rollout, at the start and after every step: steps + 1 samples.
+/// The signals of one rollout, at the start and after every step of the movement, then of the rest time after it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Time [s].
     pub time: Vec<f64>,
     /// Phase s, 1 at the start.
     pub phase: Vec<f64>,
+    /// Steps of the rest time after the movement; the movement has the others.
+    pub rest_steps: usize,
     /// The signals of each axis, in axis order.
     pub axes: Vec<AxisTrace>,
     /// The signals of the contact, where there is one.
@@ -70,9 +72,9 @@ impl AxisTrace {
 }
 
 impl Trace {
-    /// Number of steps.
+    /// Number of steps of the movement: its last sample is at the duration.
     pub fn steps(&self) -> usize {
-        self.time.len().saturating_sub(1)
+        self.time.len().saturating_sub(1 + self.rest_steps)
     }
 
     /// Step of time [s].
@@ -83,7 +85,7 @@ impl Trace {
         }
     }
 
-    /// A signal at `time` [s], linear between its samples.
+    /// A signal at `time` [s] of the movement, linear between its samples.
     pub fn sample(&self, signal: &[f64], time: f64) -> f64 {
         let at = (time / self.dt()).clamp(0.0, self.steps() as f64);
         let before = (at.floor() as usize).min(self.steps().saturating_sub(1));

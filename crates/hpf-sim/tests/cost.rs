@@ -3,7 +3,7 @@
 mod waves;
 
 use hpf_sim::cost::Term;
-use hpf_sim::task::{CostWeights, PerAxis, ViaPoint};
+use hpf_sim::task::{CostWeights, PerAxis, Preset, ViaPoint};
 use hpf_sim::{Policy, Simulation, Task, Trace};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
@@ -95,6 +95,32 @@ fn end_velocity_is_that_of_the_tool() {
 }
 
 #[test]
+fn rest_is_the_integral_of_distance_and_velocity_after_the_end() {
+    let (simulation, trace) = motion(VIA_POINT, CostWeights { rest: each(3.0, 7.0), ..CostWeights::default() });
+    // 5 s (0.1 + 13.277/25) are 3.155 s.
+    assert_eq!((trace.steps(), trace.time.len()), (500, 500 + 316 + 1));
+    let along = |signal: &[f64], offset: f64| trapezoid(&signal[500..].iter().map(|x| x - offset).collect::<Vec<_>>());
+    let sum = |a: usize| along(&trace.axes[a].position, 1.0) + 0.25 * along(&trace.axes[a].velocity, 0.0);
+    let expected = 0.5 * (3.0 * sum(0) + 7.0 * sum(1));
+    assert_only(&simulation, &trace, Term::Rest, expected);
+    assert_same(simulation.cost(&trace).terminal, expected);
+}
+
+#[test]
+fn the_papers_preset_and_motions_of_a_process_have_no_rest() {
+    let mut task = Task::parse(VIA_POINT).unwrap();
+    task.cost = CostWeights { rest: each(3.0, 7.0), ..CostWeights::default() };
+    task.learning.preset = Preset::Paper;
+    let (simulation, trace) = moved(&task);
+    assert_eq!(simulation.cost(&trace).total(), 0.0);
+    task.learning.preset = Preset::Pi2;
+    task.ends_at_duration = true;
+    let (simulation, trace) = moved(&task);
+    assert_eq!((trace.time.len(), simulation.cost(&trace).total()), (501, 0.0));
+    assert!(simulation.metrics(&trace).iter().all(|metric| !metric.name.ends_with("rest_error")));
+}
+
+#[test]
 fn acceleration_is_the_change_of_velocity_over_each_step() {
     let (simulation, trace) = motion(VIA_POINT, CostWeights { acceleration: each(3.0, 7.0), ..CostWeights::default() });
     let sum = |a: usize| -> f64 {
@@ -108,11 +134,11 @@ fn acceleration_is_the_change_of_velocity_over_each_step() {
 fn stiffness_and_damping_are_integrals_of_their_squares() {
     let weights = CostWeights { stiffness: each(3.0, 7.0), ..CostWeights::default() };
     let (simulation, trace) = motion(VIA_POINT, weights);
-    let k = |a: usize| trapezoid(&trace.axes[a].stiffness);
+    let k = |a: usize| trapezoid(&trace.axes[a].stiffness[..=500]);
     assert_only(&simulation, &trace, Term::Stiffness, 0.5 * (3.0 * k(0) + 7.0 * k(1)));
 
     let (simulation, trace) = motion(VIA_POINT, CostWeights { damping: each(3.0, 7.0), ..CostWeights::default() });
-    let d = |a: usize| trapezoid(&trace.axes[a].damping);
+    let d = |a: usize| trapezoid(&trace.axes[a].damping[..=500]);
     assert_only(&simulation, &trace, Term::Damping, 0.5 * (3.0 * d(0) + 7.0 * d(1)));
 }
 
@@ -215,7 +241,10 @@ fn the_total_is_the_end_and_the_steps_and_also_the_sum_of_the_terms() {
         let cost = simulation.cost(&trace);
         assert_same(cost.total(), cost.terminal + cost.running.iter().sum::<f64>());
         assert_same(cost.total(), cost.terms.iter().sum());
-        assert_same(cost.terminal, cost.terms[Term::Goal as usize] + cost.terms[Term::EndVelocity as usize]);
+        assert_same(
+            cost.terminal,
+            [Term::Goal, Term::EndVelocity, Term::Rest].map(|t| cost.terms[t as usize]).iter().sum(),
+        );
         assert!(cost.running.iter().all(|cost| *cost > 0.0));
     }
 }
@@ -256,7 +285,12 @@ fn a_via_point_without_a_time_costs_the_distance_of_the_nearest_sample_outside_i
         let simulation = Simulation::new(&task, &policy).unwrap();
         let trace = simulation.rollout(&policy.weights());
         let [x, y] = [0, 1].map(|a| &trace.axes[a].position);
-        let nearest = x.iter().zip(y).map(|(x, y)| (x - 3.0_f64).hypot(y - 3.0)).fold(f64::INFINITY, f64::min);
+        let nearest = x
+            .iter()
+            .zip(y)
+            .take(trace.steps() + 1)
+            .map(|(x, y)| (x - 3.0_f64).hypot(y - 3.0))
+            .fold(f64::INFINITY, f64::min);
         let outside = (nearest - radius).max(0.0);
         assert_eq!(outside == 0.0, is_met);
         let cost = simulation.cost(&trace);

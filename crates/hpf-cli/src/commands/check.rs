@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hpf_sim::task::Task;
-use hpf_sim::{Certificate, Conditions, Policy, Simulation};
+use hpf_sim::{Certificate, Conditions, Metric, Policy, Simulation};
 use serde_json::{Value, json};
 
 use crate::cli::{Check, Common};
@@ -74,17 +74,38 @@ fn check_policy(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     let policy = read_policy(&path)?;
     let conditions = conditions(options, &path)?;
     let certificates = policy.certify(&conditions).map_err(in_file(&path))?;
+    let rest = rest_in_task(&policy, &path)?;
     if common.json {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "policy", "valid": true,
+            "rest": rest.iter().map(|metric| (metric.name, json!(metric.value))).collect::<serde_json::Map<_, _>>(),
             "certificates": certified(&policy, &conditions, &certificates),
         });
         say(&format!("{object:#}\n"))?;
     } else {
         let text = render::policy(&policy) + "\n" + &render::certificates(&policy, &conditions, &certificates);
         say(&text)?;
+        for Metric { name, value, unit, .. } in rest {
+            say(&format!("  {name} {} in the environment of the task beside it\n", render::measure(value, unit)))?;
+        }
     }
     Ok(Outcome::Done)
+}
+
+/// How far from its goal the tool is after the end, where the task that the policy was learned for lies beside it.
+fn rest_in_task(policy: &Policy, path: &Path) -> Result<Vec<Metric>, Failure> {
+    let task = path.with_file_name("task.toml");
+    if !task.is_file() {
+        return Ok(Vec::new());
+    }
+    let task = read_task(&task, &[])?.task;
+    // The environment of a process is not here to ask.
+    if task.environment.is_some() {
+        return Ok(Vec::new());
+    }
+    let simulation = Simulation::new(&task, policy).map_err(in_file(path))?;
+    let (_, metrics) = simulation.evaluate(&simulation.parameters(policy));
+    Ok(metrics.into_iter().filter(|metric| metric.name.ends_with("_rest_error")).collect())
 }
 
 /// What to certify for: as asked, else the rate of the task beside the policy, a force one sample late.
@@ -109,6 +130,7 @@ fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certifica
             "largest_offset": certificate.largest_offset, "switched_energy_j": certificate.switched_energy,
             "least_damping": certificate.least_damping, "contact_stiffness_limit": certificate.contact_stiffness,
             "peak_velocity": certificate.peak_velocity, "peak_acceleration": certificate.peak_acceleration,
+            "rest_distance": certificate.rest_distance,
         })
     });
     let axes: Vec<Value> = axes.collect();

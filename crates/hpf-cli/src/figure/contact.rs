@@ -1,5 +1,7 @@
 //! Contact: deviation from the surface under the set-point force, and the force itself.
 
+use std::iter;
+
 use hpf_sim::ContactTrace;
 
 use super::axis::{Axis, padded, span};
@@ -7,7 +9,7 @@ use super::chart::{Figure, Layer, Panel};
 use super::motions::{Length, Motion, learned, motions};
 use super::number::short;
 use super::palette::{GREEN, Pen, VERMILLION, tint};
-use super::signals::time_axis;
+use super::signals::{time_axis, with_rest};
 use crate::render::paper_deviation;
 use crate::results::Run;
 
@@ -34,7 +36,7 @@ pub fn deviation(run: &Run) -> Figure {
         panels[0].heading = "overview".into();
         panels.push(enlarged);
     }
-    Figure::new("Deviation of the tool from the surface under load", panels)
+    with_rest(Figure::new("Deviation of the tool from the surface under load", panels), iter::once(run))
 }
 
 /// The learned deviation alone while the tool touches, where that is lower than `height` [m].
@@ -72,7 +74,7 @@ pub fn force(run: &Run) -> Figure {
     let mut panel = compare(run, "contact force", length, (set_point, set_point), |contact| &contact.force);
     let label = format!("set-point, {} {unit}", short(set_point, 3));
     panel.layers.push(Layer::level(set_point, Pen::dashed(VERMILLION)).labelled(label));
-    Figure::new("Contact force and its set-point", vec![panel])
+    with_rest(Figure::new("Contact force and its set-point", vec![panel]), iter::once(run))
 }
 
 fn axis_of(run: &Run) -> Option<&hpf_sim::task::Axis> {

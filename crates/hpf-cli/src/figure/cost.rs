@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 use super::axis::{Axis, Scale, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::number::short;
-use super::palette::{BLACK, BLUE, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILLION};
+use super::palette::{BLACK, BLUE, BROWN, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILLION};
 use crate::results::{LearningRow, Run};
 
 /// How far below the smallest total a term is still shown: less matters to nobody.
@@ -88,6 +88,7 @@ fn is_weighed(task: &Task, term: Term) -> bool {
         Term::Acceleration => any(&cost.acceleration),
         Term::Stiffness => any(&cost.stiffness),
         Term::Damping => any(&cost.damping),
+        Term::Rest => any(&cost.rest),
     }
 }
 
@@ -101,6 +102,7 @@ fn colour(term: Term) -> RGBColor {
         Term::Acceleration => ORANGE,
         Term::Stiffness => GREY,
         Term::Damping => OLIVE,
+        Term::Rest => BROWN,
     }
 }
 

@@ -1,10 +1,12 @@
 //! Demonstrations and the path that was made of them, one panel per axis.
 
+use std::iter;
+
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Panel};
 use super::motions::Length;
 use super::palette::{BLUE, GREY, Pen, tint};
-use super::signals::{axis_heading, axis_phrase, time_axis};
+use super::signals::{axis_heading, axis_phrase, time_axis, with_rest};
 use crate::results::Run;
 
 /// Draws the demonstrations of `run` and its reference over them.
@@ -30,5 +32,6 @@ pub fn positions(run: &Run) -> Figure {
             layers,
         }
     });
-    Figure::new(format!("Demonstrated and imitated position{}", axis_phrase(run)), panels.collect())
+    let title = format!("Demonstrated and imitated position{}", axis_phrase(run));
+    with_rest(Figure::new(title, panels.collect()), iter::once(run))
 }

@@ -1,5 +1,7 @@
 //! Stiffness and damping over time: initial, learned, and the bounds between which they were learned.
 
+use std::iter;
+
 use hpf_sim::task::{Axis as TaskAxis, Gain, Unit};
 use hpf_sim::{AxisTrace, Trace};
 
@@ -8,7 +10,7 @@ use super::chart::{Figure, Layer, Panel};
 use super::motions::{initial, learned};
 use super::number::{rounded, short};
 use super::palette::{GREY, Pen, SHADE};
-use super::signals::{axis_heading, axis_phrase, time_axis};
+use super::signals::{axis_heading, axis_phrase, time_axis, with_rest};
 use crate::results::Run;
 
 /// Bounds farther apart than this many times the range of the profile are not all shown: the profile would be flat.
@@ -80,7 +82,8 @@ fn draw(
             layers,
         }
     });
-    Figure::new(format!("{name}{}, initial and learned", axis_phrase(run)), panels.collect())
+    let title = format!("{name}{}, initial and learned", axis_phrase(run));
+    with_rest(Figure::new(title, panels.collect()), iter::once(run))
 }
 
 /// The bounds in words, in as many digits as tell them apart.

@@ -16,6 +16,8 @@ pub const SKY: RGBColor = RGBColor(86, 180, 233);
 pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
 /// The palette's yellow, darkened until a line of it is seen on white.
 pub const OLIVE: RGBColor = RGBColor(150, 142, 20);
+/// Beside the palette: darker than all of it.
+pub const BROWN: RGBColor = RGBColor(110, 58, 14);
 /// Neutral.
 pub const GREY: RGBColor = RGBColor(128, 128, 128);
 /// Total, text.
@@ -30,6 +32,9 @@ pub const GRID: RGBColor = RGBColor(228, 228, 228);
 pub const FRAME: RGBColor = RGBColor(90, 90, 90);
 /// What lies outside bounds.
 pub const SHADE: RGBColor = RGBColor(238, 238, 238);
+
+/// The rest time after a movement.
+pub const REST: RGBColor = RGBColor(243, 247, 252);
 
 /// Colours of things of one kind that are compared, in their order.
 const SERIES: [RGBColor; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, OLIVE, GREY];

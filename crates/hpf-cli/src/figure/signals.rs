@@ -1,5 +1,7 @@
 //! Signals of every axis over time, one panel per axis: positions, and forces.
 
+use std::iter;
+
 use hpf_sim::environment::disturbance::Side;
 use hpf_sim::environment::{Contact, Disturbance, wall};
 use hpf_sim::task::Unit;
@@ -7,7 +9,7 @@ use hpf_sim::task::Unit;
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::motions::{Length, by_update, motions};
-use super::palette::{BLUE, GREEN, GREY, Pen, SHADE, VERMILLION, tint};
+use super::palette::{BLUE, GREEN, GREY, Pen, REST, SHADE, VERMILLION, tint};
 use crate::results::Run;
 
 /// Most draws of a disturbance in one figure.
@@ -15,7 +17,26 @@ const MOST_DRAWS: usize = 20;
 
 /// The time axis of a run.
 pub fn time_axis(run: &Run) -> Axis {
-    Axis::linear("time", "s", (0.0, run.task.duration))
+    Axis::linear("time", "s", (0.0, end(run)))
+}
+
+/// When the motion of `run` ends, its rest time included [s].
+pub fn end(run: &Run) -> f64 {
+    run.trajectory.time.last().map_or(run.task.duration, |&last| last.max(run.task.duration))
+}
+
+/// `figure` with the rest time marked, from when the first of `runs` is at its duration.
+pub fn with_rest<'r>(mut figure: Figure, runs: impl Iterator<Item = &'r Run> + Clone) -> Figure {
+    let duration = runs.clone().map(|run| run.task.duration).fold(f64::INFINITY, f64::min);
+    if runs.map(end).fold(0.0, f64::max) > duration {
+        let block = ((duration, f64::NEG_INFINITY), (f64::INFINITY, f64::INFINITY));
+        for panel in &mut figure.panels {
+            panel
+                .layers
+                .insert(0, Layer::block(block.0, block.1, Pen::thin(REST)).labelled("rest time, after the end"));
+        }
+    }
+    figure
 }
 
 /// What sets the panel of an axis apart from those of the others: nothing, where there is only one.
@@ -75,7 +96,7 @@ pub fn disturbance(run: &Run) -> Figure {
         [axis] => format!("axis {}", axis.name),
         _ => "each axis".into(),
     };
-    Figure::new(format!("Disturbing {what} on {place}"), panels.collect())
+    with_rest(Figure::new(format!("Disturbing {what} on {place}"), panels.collect()), iter::once(run))
 }
 
 /// Draws the position of every axis over time, for every motion.
@@ -120,5 +141,6 @@ pub fn position(run: &Run) -> Figure {
             layers,
         }
     });
-    Figure::new(format!("Tool position{} over time{}", axis_phrase(run), by_update(run)), panels.collect())
+    let title = format!("Tool position{} over time{}", axis_phrase(run), by_update(run));
+    with_rest(Figure::new(title, panels.collect()), iter::once(run))
 }

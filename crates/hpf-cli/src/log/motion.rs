@@ -121,7 +121,7 @@ impl<'a> Motion<'a> {
 
     /// The whole path of the tool, and of its reference.
     fn paths(&self) -> [Vec<Pose>; 2] {
-        let steps = self.trace.steps();
+        let steps = self.trace.time.len().saturating_sub(1);
         let stride = steps.div_ceil(MOST_POINTS).max(1);
         let poses = (0..steps).step_by(stride).chain([steps]).map(|i| self.poses(i));
         let (tool, reference) = poses.map(|[tool, reference]| (tool, reference)).unzip();

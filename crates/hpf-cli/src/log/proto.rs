@@ -110,6 +110,8 @@ pub struct Update {
     pub stiffness_cost: f64,
     #[prost(double, tag = "12")]
     pub damping_cost: f64,
+    #[prost(double, tag = "13")]
+    pub rest_cost: f64,
 }
 
 /// The descriptor of every message, as a log carries it.

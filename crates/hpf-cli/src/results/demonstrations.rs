@@ -26,7 +26,7 @@ pub fn write(run: &Run) -> String {
         signals.push(&axis.reference_position);
     }
     let mut text = header(&run.task, run.demonstrations.len()).join(",") + "\n";
-    for row in 0..run.trajectory.time.len() {
+    for row in 0..=run.trajectory.steps() {
         let numbers: Vec<String> = signals.iter().map(|signal| format!("{:?}", signal[row])).collect();
         text += &numbers.join(",");
         text.push('\n');

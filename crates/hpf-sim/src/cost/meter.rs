@@ -5,7 +5,7 @@ use hpf_learn::Cost;
 
 use super::{Approach, CostModel, Term};
 use crate::simulation::{Sample, Sink};
-use crate::task::Task;
+use crate::task::{REST_VELOCITY_TIME, Task};
 use crate::trace::Trace;
 
 /// What one axis is measured by; the factor of a running term holds the half, the weight and the step.
@@ -15,6 +15,12 @@ pub(super) struct AxisPrices {
     goal: f64,
     half_goal_weight: f64,
     half_end_velocity_weight: f64,
+    /// Steps of the rest time that costs something.
+    rest_steps: usize,
+    /// Of a square at a sample of the rest time; half as much at both its ends.
+    rest: f64,
+    /// Of the square of the velocity there.
+    rest_velocity: f64,
     /// In the order of time.
     via: Vec<ViaPrice>,
     half_via_weight: f64,
@@ -58,6 +64,7 @@ impl AxisPrices {
             .collect();
         via.sort_by_key(|via| via.before);
         let trapezoid = |weight: f64| 0.25 * weight * dt;
+        let rest = 0.5 * task.rest_weight(a) * dt;
         let contact = task.contact.as_ref().filter(|contact| contact.axis() == task.axis[a].name);
         let touching = |weight: f64| contact.map_or(0.0, |_| trapezoid(weight));
         Self {
@@ -65,6 +72,9 @@ impl AxisPrices {
             goal: task.axis[a].goal,
             half_goal_weight: 0.5 * cost.goal.of(a),
             half_end_velocity_weight: 0.5 * cost.end_velocity.of(a),
+            rest_steps: task.rest_steps(),
+            rest,
+            rest_velocity: rest * (REST_VELOCITY_TIME * task.duration).powi(2),
             via,
             half_via_weight: 0.5 * cost.via_point.of(a),
             acceleration: 0.5 * cost.acceleration.of(a) / dt,
@@ -147,7 +157,7 @@ impl CostModel {
         for (a, axis) in trace.axes.iter().enumerate() {
             let contact = trace.contact.as_ref().filter(|contact| contact.axis == a);
             let mut meter = self.meter(a, &mut bill);
-            for i in 0..=trace.steps() {
+            for i in 0..=trace.steps() + trace.rest_steps {
                 let lane = |signal: &[f64]| Lanes([signal[i]]);
                 meter.take(
                     i,
@@ -203,6 +213,18 @@ impl<const N: usize> Meter<'_, '_, N> {
         self.bill.running[step] = all.0;
     }
 
+    /// What sample `i` of the rest time costs.
+    #[inline(always)]
+    fn charge_rest(&mut self, i: usize, sample: &Sample<N>) {
+        let prices = self.prices;
+        let error = sample.position - Lanes::of(prices.goal);
+        let (position, velocity) = (error * error, sample.velocity * sample.velocity);
+        let share = if i == 0 || i == prices.rest_steps { 0.5 } else { 1.0 };
+        let cost = Lanes::of(share * prices.rest) * position + Lanes::of(share * prices.rest_velocity) * velocity;
+        self.bill.terminal += cost;
+        self.bill.terms[Term::Rest as usize] += cost;
+    }
+
     /// The via points passed between the sample before and `position`.
     #[inline(always)]
     fn charge_via(&mut self, i: usize, position: Lanes<N>) {
@@ -222,6 +244,13 @@ impl<const N: usize> Meter<'_, '_, N> {
 impl<const N: usize> Sink<N> for Meter<'_, '_, N> {
     #[inline(always)]
     fn take(&mut self, i: usize, sample: &Sample<N>) {
+        let steps = self.prices.steps;
+        if i >= steps && self.prices.rest > 0.0 {
+            self.charge_rest(i - steps, sample);
+        }
+        if i > steps {
+            return;
+        }
         let [deviation, force_error] = match sample.contact {
             Some([deviation, force]) => [deviation, force - Lanes::of(self.prices.set_point)],
             None => [Lanes::ZERO; 2],
@@ -231,7 +260,7 @@ impl<const N: usize> Sink<N> for Meter<'_, '_, N> {
             self.charge_step(i - 1, sample.velocity - self.before.velocity, &squares);
             self.charge_via(i, sample.position);
         }
-        if i == self.prices.steps {
+        if i == steps {
             let error = sample.position - Lanes::of(self.prices.goal);
             let goal = Lanes::of(self.prices.half_goal_weight) * error * error;
             let end_velocity = Lanes::of(self.prices.half_end_velocity_weight) * sample.velocity * sample.velocity;

@@ -1,5 +1,6 @@
 //! The policy of some demonstrations.
 
+use hpf_core::phase::FADE;
 use hpf_learn::fit;
 
 use super::error::ImitationError;
@@ -142,7 +143,10 @@ impl Imitation {
         let mut policy = Policy::initial(task)?;
         let phase = policy.phase()?;
         let at = |share: f64| phase.at(share * task.duration);
-        let middle: Vec<f64> = (0..steps).map(|i| at((i as f64 + 0.5) / steps as f64)).collect();
+        // While the forcing term fades the recording is at rest at its goal: it asks for no forcing.
+        let fading = (FADE * steps as f64).ceil() as usize;
+        let middle: Vec<f64> = (0..steps + fading).map(|i| at((i as f64 + 0.5) / steps as f64)).collect();
+        let drive: Vec<f64> = middle.iter().map(|&s| phase.drive(s)).collect();
         let samples: Vec<f64> = (0..=steps).map(|i| at(i as f64 / steps as f64)).collect();
         let [movement, stiffness, damping] = policy.bases()?;
         let movement = Profile::new(self.fit, &movement, &middle);
@@ -172,8 +176,9 @@ impl Imitation {
             }
             let frames = work.frames(a, scale)?;
             let refused = |reason| ImitationError::Fit { axis: axis.name.clone(), reason };
-            let forcing = work.forcing(a, &frames, alpha);
-            axis.movement.weights = movement.movement(&middle, &forcing, self.penalty).map_err(refused)?;
+            let mut forcing = work.forcing(a, &frames, alpha);
+            forcing.resize(drive.len(), 0.0);
+            axis.movement.weights = movement.movement(&drive, &forcing, self.penalty).map_err(refused)?;
             for ((carried, recording), frame) in carried.iter_mut().zip(&work.recordings).zip(&frames) {
                 carried.push(frame.carry_to(&target, alpha, &recording.axes[a].recorded));
             }

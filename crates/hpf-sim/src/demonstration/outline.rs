@@ -150,7 +150,7 @@ impl Outline {
         let _ = write!(
             text,
             "\n[cost] # keeps to the demonstrated path; add the forces of your task as [[disturbance]]\n\
-             goal = 1e4\nend_velocity = 1e2\n{via}acceleration = 1e-3\nstiffness = 1e-5\ndamping = 1e-4\n\n\
+             goal = 1e4\nend_velocity = 1e2\nrest = 1e4\n{via}acceleration = 1e-3\nstiffness = 1e-5\ndamping = 1e-4\n\n\
              [learning]\nmethod = \"auto\"\n"
         );
         text

@@ -109,8 +109,9 @@ impl Cantilever {
         }
     }
 
-    /// How far along the beam the tool is at `progress` = t/T [m].
+    /// How far along the beam the tool is at `progress` = t/T [m]; after the end, where it ended.
     pub fn travel_at(&self, progress: f64) -> f64 {
+        let progress = progress.min(1.0);
         match self.travel {
             Travel::MinimumJerk => self.length * minimum_jerk(progress),
             Travel::Linear => self.length * progress,

@@ -83,7 +83,10 @@ impl Disturbance {
     /// Its numbers that may be drawn, each with its key.
     pub fn quantities(&self) -> Vec<(&'static str, &Quantity)> {
         match self {
-            Self::Sine(sine) => vec![("amplitude", &sine.amplitude), ("period", &sine.period), ("phase", &sine.phase)],
+            Self::Sine(Sine { amplitude, period, phase, length, .. }) => {
+                let fixed = [("amplitude", amplitude), ("period", period), ("phase", phase)];
+                fixed.into_iter().chain(length.iter().map(|length| ("length", length))).collect()
+            }
             Self::Step(step) => vec![("amplitude", &step.amplitude), ("start", &step.start)],
             Self::Pulse(Pulse { amplitude, start, length, .. }) | Self::Ramp(Ramp { amplitude, start, length, .. }) => {
                 vec![("amplitude", amplitude), ("start", start), ("length", length)]
@@ -97,7 +100,9 @@ impl Disturbance {
     pub fn drawn(&self, draw: &mut impl FnMut(&Quantity) -> f64) -> Self {
         let mut drawn = self.clone();
         let slots = match &mut drawn {
-            Self::Sine(sine) => vec![&mut sine.amplitude, &mut sine.period, &mut sine.phase],
+            Self::Sine(Sine { amplitude, period, phase, length, .. }) => {
+                [amplitude, period, phase].into_iter().chain(length).collect()
+            }
             Self::Step(step) => vec![&mut step.amplitude, &mut step.start],
             Self::Pulse(Pulse { amplitude, start, length, .. }) | Self::Ramp(Ramp { amplitude, start, length, .. }) => {
                 vec![amplitude, start, length]
@@ -111,7 +116,7 @@ impl Disturbance {
     /// The force at `time` [s], on one side of it where it jumps [N]; what is not yet drawn counts as its mean.
     pub fn force(&self, time: f64, side: Side) -> f64 {
         match self {
-            Self::Sine(sine) => sine.force(time),
+            Self::Sine(sine) => sine.force(time, side),
             Self::Step(step) => step.force(time, side),
             Self::Pulse(pulse) => pulse.force(time, side),
             Self::Ramp(ramp) => ramp.force(time),
@@ -149,7 +154,12 @@ mod tests {
 
     #[test]
     fn a_sine_of_the_duration_pushes_then_pulls() {
-        let sine = Sine { axis: "x".into(), amplitude: 10.0.into(), period: 5.0.into(), phase: 0.0.into() };
-        assert!((sine.force(1.25) - 10.0).abs() < 1e-12 && (sine.force(3.75) + 10.0).abs() < 1e-12);
+        let mut sine =
+            Sine { axis: "x".into(), amplitude: 10.0.into(), period: 5.0.into(), phase: 0.0.into(), length: None };
+        let at = |sine: &Sine, time| sine.force(time, Side::After);
+        assert!((at(&sine, 1.25) - 10.0).abs() < 1e-12 && (at(&sine, 3.75) + 10.0).abs() < 1e-12);
+        assert!((at(&sine, 6.25) - 10.0).abs() < 1e-12, "for ever, where it has no length");
+        sine.length = Some(6.0.into());
+        assert!(sine.force(6.0, Side::Before) > 9.0 && at(&sine, 6.0) == 0.0 && at(&sine, 6.25) == 0.0);
     }
 }

@@ -87,7 +87,7 @@ impl Simulation {
         let mut bill = Bill::new(cost.running.as_chunks_mut::<1>().0);
         for (a, axis) in self.axes.iter().enumerate() {
             let profiles = self.rowwise(axis, parameters);
-            self.roll_axis(a, &axis.alone, &profiles, &met.axes[a], self.cost.meter(a, &mut bill));
+            self.roll_axis(a, self.priced_steps, &axis.alone, &profiles, &met.axes[a], self.cost.meter(a, &mut bill));
         }
         let (terms, terminal) = bill.sums(0);
         cost.terminal = terminal;
@@ -96,7 +96,7 @@ impl Simulation {
     }
 
     pub(super) fn rowwise<'a>(&'a self, axis: &super::AxisModel, parameters: Parameters<'a>) -> Rowwise<'a> {
-        Rowwise { tables: &self.tables, parameters, ends: axis.parameters, steps: self.step_count() }
+        Rowwise { tables: &self.tables, parameters, ends: axis.parameters, steps: self.drive.len() }
     }
 }
 
@@ -123,7 +123,8 @@ impl NullaryFnOnce for Together<'_, '_> {
                 damping: &weights[stiffness_end..damping_end],
                 goal: &weights[damping_end..end],
             };
-            simulation.roll_axis(a, &axis.together, &profiles, &met.axes[a], simulation.cost.meter(a, bill));
+            let (steps, meter) = (simulation.priced_steps, simulation.cost.meter(a, bill));
+            simulation.roll_axis(a, steps, &axis.together, &profiles, &met.axes[a], meter);
         }
     }
 }

@@ -110,6 +110,12 @@ pub fn disturbances(task: &Task) -> Vec<Vec<Disturbance>> {
 }
 
 impl Circumstances {
+    /// Whether a force acts after `steps`.
+    pub(crate) fn lasts_beyond(&self, steps: usize) -> bool {
+        let acts = |forces: &(f64, f64)| forces.0 != 0.0 || forces.1 != 0.0;
+        self.axes.iter().any(|met| met.forces.iter().skip(steps).any(acts))
+    }
+
     /// Those of each of `count` motions of `set`; made one by one, as a long movement's fill memory.
     pub(crate) fn of_set(task: &Task, set: Set, count: usize) -> impl Iterator<Item = Self> {
         let shares = shares(task, set, count);
@@ -119,8 +125,8 @@ impl Circumstances {
     fn of_draw(task: &Task, set: Set, draw: usize, shares: &mut impl Iterator<Item = f64>) -> Self {
         let acting = acting(task, shares);
         let mut next = |number: &Quantity| quantile(number, shares);
-        let steps = task.steps();
-        let time = |i: usize| i as f64 * (task.duration / steps as f64);
+        let steps = task.steps() + task.rest_steps();
+        let time = |i: usize| i as f64 * (task.duration / task.steps() as f64);
         let axes = task.axis.iter().enumerate().map(|(a, axis)| {
             let force = |time: f64, side: Side| {
                 acting.iter().filter(|d| d.axis() == axis.name).map(|d| d.force(time, side)).sum::<f64>()

@@ -93,11 +93,11 @@ pub(crate) trait Sink<const N: usize> {
     fn take(&mut self, i: usize, sample: &Sample<N>);
 }
 
-/// Moves one axis along `middle_phase`, the phase at mid-steps.
+/// Moves one axis as long as `drive` says what drives its forcing term at mid-steps.
 #[inline(always)]
 pub(super) fn roll<const N: usize>(
     reference: &Reference<N>,
-    middle_phase: &[f64],
+    drive: &[f64],
     profiles: &impl Profiles<N>,
     mut tool: impl Tool<N>,
     mut sink: impl Sink<N>,
@@ -111,19 +111,19 @@ pub(super) fn roll<const N: usize>(
     };
     let [stiffness, damping] = profiles.start();
     let mut now = knot(movement.initial_state(), stiffness, damping);
-    for (tile_index, phases) in middle_phase.chunks(TILE).enumerate() {
+    for (tile_index, drives) in drive.chunks(TILE).enumerate() {
         let first = tile_index * TILE;
         let tile = profiles.tile(first);
-        for (j, &phase) in phases.iter().enumerate() {
+        for (j, &driven) in drives.iter().enumerate() {
             sink.take(first + j, &tool.sample(first + j, &now));
             let mut state = now.state;
             let goal = profiles.goal(first + j).unwrap_or(movement.goal());
-            transition.apply(&mut state, goal, movement.forcing(Lanes::of(phase), tile.movement[j]));
+            transition.apply(&mut state, goal, movement.forcing(Lanes::of(driven), tile.movement[j]));
             let ([middle_stiffness, stiffness], [middle_damping, damping]) = (tile.stiffness[j], tile.damping[j]);
             let next = knot(state, stiffness, damping);
             tool.advance(first + j, &now, &next, [middle_stiffness, middle_damping]);
             now = next;
         }
     }
-    sink.take(middle_phase.len(), &tool.sample(middle_phase.len(), &now));
+    sink.take(drive.len(), &tool.sample(drive.len(), &now));
 }

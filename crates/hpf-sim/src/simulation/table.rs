@@ -9,23 +9,22 @@ pub(super) const TILE: usize = 4;
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     count: usize,
-    instants: usize,
     rows: Vec<f64>,
 }
 
 impl Table {
     pub(super) fn new(basis: &Basis<f64, Vec<f64>>, phases: impl ExactSizeIterator<Item = f64>) -> Self {
-        let (count, instants) = (basis.count(), phases.len());
-        let mut rows = vec![0.0; (instants + 2 * TILE) * count];
+        let count = basis.count();
+        let mut rows = vec![0.0; (phases.len() + 2 * TILE) * count];
         for (row, phase) in rows.chunks_exact_mut(count).zip(phases) {
             basis.features_into(phase, row);
         }
-        Self { count, instants, rows }
+        Self { count, rows }
     }
 
-    /// The rows of whole steps, where the instants are half steps.
-    pub(super) fn samples(&self) -> Vec<&[f64]> {
-        self.rows.chunks_exact(self.count).take(self.instants).step_by(2).collect()
+    /// The rows of the first `count` samples, where the instants are half steps.
+    pub(super) fn samples(&self, count: usize) -> Vec<&[f64]> {
+        self.rows.chunks_exact(self.count).step_by(2).take(count).collect()
     }
 
     #[inline(always)]

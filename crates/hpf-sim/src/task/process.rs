@@ -63,8 +63,9 @@ impl Process {
 }
 
 impl Task {
-    /// The same task without its environment: what can be simulated of it is the motion as planned.
+    /// The same task without its environment: what can be simulated of it is the motion as planned, which ends at the
+    /// duration as those of the process do.
     pub fn as_planned(&self) -> Self {
-        Self { environment: None, ..self.clone() }
+        Self { ends_at_duration: self.environment.is_some(), environment: None, ..self.clone() }
     }
 }

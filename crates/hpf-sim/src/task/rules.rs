@@ -137,6 +137,7 @@ impl Rules<'_, '_, '_> {
         values.extend([
             ("cost.goal", &cost.goal, false),
             ("cost.end_velocity", &cost.end_velocity, false),
+            ("cost.rest", &cost.rest, false),
             ("cost.via_point", &cost.via_point, false),
             ("cost.acceleration", &cost.acceleration, false),
             ("cost.stiffness", &cost.stiffness, false),
@@ -370,8 +371,15 @@ impl Rules<'_, '_, '_> {
     fn cost_and_targets(&mut self) {
         let (task, cost) = (self.task, &self.task.cost);
         let weighs = |value: &PerAxis| value.values().iter().any(|&weight| weight > 0.0);
-        let per_axis =
-            [&cost.goal, &cost.end_velocity, &cost.via_point, &cost.acceleration, &cost.stiffness, &cost.damping];
+        let per_axis = [
+            &cost.goal,
+            &cost.end_velocity,
+            &cost.rest,
+            &cost.via_point,
+            &cost.acceleration,
+            &cost.stiffness,
+            &cost.damping,
+        ];
         let silent = |value: &PerAxis| value.values().iter().all(|&weight| weight == 0.0);
         // A process may tell costs of its own.
         if task.environment.is_none()
@@ -385,6 +393,17 @@ impl Rules<'_, '_, '_> {
                 "no cost term has a weight: there is nothing to learn",
                 "give at least one term of [cost] a weight above 0",
             );
+        }
+        if task.environment.is_some() {
+            for (path, given) in [
+                ("accept.max_rest_error", task.accept.max_rest_error.is_some()),
+                ("accept.rms_rest_error", task.accept.rms_rest_error.is_some()),
+            ] {
+                if given {
+                    let help = "motions of a process end at the duration: leave it out";
+                    self.say(path, format!("`{path}` has nothing to measure"), help);
+                }
+            }
         }
         if task.contact.is_none() {
             let targets = [

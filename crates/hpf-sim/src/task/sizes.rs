@@ -1,16 +1,16 @@
 //! How large the tables are that learning a task works on, and the memory they take.
 //!
-//! S steps, A axes, P parameters, K rollouts, G signals of a rollout (what Gauss-Newton learns from):
+//! S steps of the movement, R of it and the rest time, A axes, P parameters, K rollouts, G signals of a rollout (what Gauss-Newton learns from):
 //! ```text
 //! parameters at every step   S P    features and activations of each block: of the simulation, of the learner
-//! kept trajectories          7 A S (1 + snapshots)
+//! kept trajectories          7 A R (1 + snapshots)
 //! costs of every step        S K    and the weights made of them: ranks, shares, and a few of each group
 //! rows of learning           12 updates
 //! samples                    K P, or K S P where they change from step to step
 //! parameters against signals P G    of Gauss-Newton: rollouts kept, the response
 //! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
 //! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
-//! draws                      4 A S  for every draw: forces, readings
+//! draws                      4 A R  for every draw: forces, readings
 //! evaluations                8 S    for each thread: costs of those made at a time
 //! ```
 //! The learner keeps steps, and rollouts, in packs of 8 numbers: where there are fewer, it needs as much as for 8.
@@ -53,8 +53,9 @@ impl Task {
     /// The memory that learning needs on `threads` threads [bytes]: an upper bound.
     pub fn memory(&self, threads: usize) -> f64 {
         let tables: f64 = self.tables().iter().map(|table| table.copies * table.numbers).sum();
-        let trajectory = SIGNALS * self.axis.len() as f64 * self.step_numbers();
-        let met = MET * self.axis.len() as f64 * self.step_numbers() * self.draws() as f64;
+        let all_steps = self.step_numbers() + self.rest_steps() as f64;
+        let trajectory = SIGNALS * self.axis.len() as f64 * all_steps;
+        let met = MET * self.axis.len() as f64 * all_steps * self.draws() as f64;
         let working = (WORKING + PER_THREAD * threads as f64) * trajectory + threads as f64 * met;
         let evaluations = PACK * threads as f64 * self.step_numbers();
         PROGRAM + size_of::<f64>() as f64 * (tables + working + evaluations)
@@ -74,10 +75,11 @@ impl Task {
         // How much larger a table is when its packs are whole.
         let packed = |count: f64| PACK * (count / PACK).ceil() / count.max(1.0);
         let (packed_steps, packed_rollouts) = (packed(steps), packed(rollouts));
-        let trajectory = SIGNALS * axes * steps;
+        let all_steps = steps + self.rest_steps() as f64;
+        let trajectory = SIGNALS * axes * all_steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
         let mut tables = vec![
-            table("rate", "parameters at every step", steps * parameters, 4.0 + 2.0 * packed_steps),
+            table("rate", "parameters at every step", all_steps * parameters, 4.0 + 2.0 * packed_steps),
             table(
                 "output.snapshots",
                 "signals of every kept trajectory",
@@ -91,7 +93,7 @@ impl Task {
                 1.0 + 2.5 * packed_steps * packed_rollouts,
             ),
             table("learning.updates", "rows of learning", ROW * learning.updates as f64, 4.0),
-            table("learning.draws", "what all draws meet", MET * axes * steps * self.draws() as f64, 1.0),
+            table("learning.draws", "what all draws meet", MET * axes * all_steps * self.draws() as f64, 1.0),
         ];
         if learning.method == Method::Pi2 {
             let changes = match learning.exploration {
@@ -125,7 +127,10 @@ impl Task {
             let by_step = axes * (f64::from(u8::from(weighs(&cost.acceleration))) + free as f64)
                 + f64::from(u8::from(cost.tracking > 0.0))
                 + f64::from(u8::from(cost.contact_force > 0.0));
-            let signals = by_step * (steps + 1.0) + axes * (2.0 + self.via_point.len() as f64);
+            let resting = axes * f64::from(u8::from(weighs(&cost.rest)));
+            let signals = by_step * (steps + 1.0)
+                + resting * 2.0 * (all_steps - steps + 1.0)
+                + axes * (2.0 + self.via_point.len() as f64);
             let signals = signals * self.draws() as f64;
             // A process may tell costs alone, of which squares are learned.
             let (signals, copies) = match self.environment {

@@ -185,6 +185,7 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
             "sine" => {
                 text.key("period", dice.quantity(duration, 0.01, 10.0));
                 text.maybe(dice, "phase", |dice| dice.quantity(1.0, -7.0, 7.0));
+                text.maybe(dice, "length", |dice| dice.quantity(duration, 0.01, 3.0));
             }
             "step" => text.key("start", dice.quantity(duration, 0.0, 1.2)),
             _ => {
@@ -236,7 +237,7 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
 fn cost_and_targets(text: &mut Text, dice: &mut Dice, axes: usize, has_contact: bool, has_via_point: bool) {
     text.table("[cost]");
     text.key("goal", dice.per_axis(axes, |dice| dice.wide(1e-6, 1e9)));
-    for key in ["end_velocity", "acceleration", "stiffness", "damping"] {
+    for key in ["end_velocity", "rest", "acceleration", "stiffness", "damping"] {
         text.maybe(dice, key, |dice| dice.per_axis(axes, |dice| dice.wide(1e-6, 1e4)));
     }
     if has_via_point {
@@ -255,6 +256,8 @@ fn cost_and_targets(text: &mut Text, dice: &mut Dice, axes: usize, has_contact: 
         ("rms_via_error", has_via_point),
         ("max_goal_error", true),
         ("max_end_speed", true),
+        ("max_rest_error", true),
+        ("rms_rest_error", true),
         ("max_cost", true),
     ] {
         if has {

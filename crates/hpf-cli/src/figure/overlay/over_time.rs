@@ -9,15 +9,20 @@ use super::super::gain::{WIDEST_BOUNDS, bounds, damping_unit, stiffness_unit};
 use super::super::motions::Length;
 use super::super::number::short;
 use super::super::palette::{GREEN, GREY, Pen, SHADE, tint};
-use super::super::signals::{axis_heading, axis_phrase, force_over_time};
+use super::super::signals::{axis_heading, axis_phrase, end, force_over_time, with_rest};
 use super::{Named, common, lines, shared};
 use crate::render::paper_deviation;
 use crate::results::Run;
 
 /// The time axis that holds every run.
 fn time_axis(runs: &[Named<'_>]) -> Axis {
-    let most = runs.iter().map(|named| named.run.task.duration).fold(0.0, f64::max);
+    let most = runs.iter().map(|named| end(named.run)).fold(0.0, f64::max);
     Axis::linear("time", "s", (0.0, most))
+}
+
+/// A figure of `runs` over time.
+fn resting(title: impl Into<String>, panels: Vec<Panel>, runs: &[Named<'_>]) -> Figure {
+    with_rest(Figure::new(title, panels), runs.iter().map(|named| named.run))
 }
 
 /// Draws the stiffness that each run learned.
@@ -66,7 +71,7 @@ fn gain(
     };
     let axes = runs[0].run.task.axis.iter().enumerate();
     let phrase = axis_phrase(runs[0].run);
-    Figure::new(format!("{name}{phrase}, learned"), axes.map(|(i, axis)| panel(i, axis)).collect())
+    resting(format!("{name}{phrase}, learned"), axes.map(|(i, axis)| panel(i, axis)).collect(), runs)
 }
 
 /// Draws the disturbances of each run; where they are drawn, those of its trajectory.
@@ -93,7 +98,8 @@ pub fn disturbance(runs: &[Named<'_>]) -> Figure {
         }
     };
     let axes = runs[0].run.task.axis.iter().enumerate();
-    Figure::new(format!("Disturbance{}", axis_phrase(runs[0].run)), axes.map(|(i, axis)| panel(i, axis)).collect())
+    let title = format!("Disturbance{}", axis_phrase(runs[0].run));
+    resting(title, axes.map(|(i, axis)| panel(i, axis)).collect(), runs)
 }
 
 /// Draws the position of every axis, as each run learned it, with via points and goals.
@@ -136,7 +142,7 @@ pub fn position(runs: &[Named<'_>]) -> Figure {
     };
     let axes = runs[0].run.task.axis.iter().enumerate();
     let title = format!("Tool position{} over time, learned", axis_phrase(runs[0].run));
-    Figure::new(title, axes.map(|(i, axis)| panel(i, axis)).collect())
+    resting(title, axes.map(|(i, axis)| panel(i, axis)).collect(), runs)
 }
 
 /// Draws the deviation from the surface under load.
@@ -152,7 +158,7 @@ pub fn deviation(runs: &[Named<'_>]) -> Figure {
         let label = format!("±{} {}, the paper's claim", short(shown, 2), length.unit);
         panel.layers.insert(0, Layer::band(-shown, shown, Pen::thin(tint(GREEN, 0.18))).labelled(label));
     }
-    Figure::new("Deviation of the tool from the surface under load", vec![panel])
+    resting("Deviation of the tool from the surface under load", vec![panel], runs)
 }
 
 /// Draws the contact force.
@@ -164,7 +170,7 @@ pub fn contact_force(runs: &[Named<'_>]) -> Figure {
         let label = format!("set-point, {} N", short(set_point, 3));
         panel.layers.push(Layer::level(set_point, common(true)).labelled(label));
     }
-    Figure::new("Contact force", vec![panel])
+    resting("Contact force", vec![panel], runs)
 }
 
 fn contacts<'r>(runs: &'r [Named<'r>]) -> impl Iterator<Item = &'r ContactTrace> {

@@ -1,8 +1,9 @@
-//! A force that swings: `f(t) = amplitude sin(2 pi t/period + phase)`.
+//! A force that swings: `f(t) = amplitude sin(2 pi t/period + phase)`, for ever or for a length of time.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{Side, has_jumped};
 use crate::environment::Quantity;
 
 /// A force that swings.
@@ -19,10 +20,16 @@ pub struct Sine {
     /// Phase at the start [rad].
     #[serde(default = "super::nought")]
     pub phase: Quantity,
+    /// How long it swings [s]; left out, for ever.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub length: Option<Quantity>,
 }
 
 impl Sine {
-    pub(super) fn force(&self, time: f64) -> f64 {
+    pub(super) fn force(&self, time: f64, side: Side) -> f64 {
+        if self.length.as_ref().is_some_and(|length| has_jumped(length.mean(), time, side)) {
+            return 0.0;
+        }
         self.amplitude.mean() * libm::sin(2.0 * core::f64::consts::PI * time / self.period.mean() + self.phase.mean())
     }
 }
