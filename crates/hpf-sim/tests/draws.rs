@@ -166,7 +166,7 @@ fn drawn_onsets_and_bounded_keys_are_checked() {
     };
     assert!(parse("{ uniform = [0.5, 1.5] }").unwrap().is_random());
     let found = Task::parse(&STOCHASTIC.replace("draws = 4 ", "draws = 10000 ").replace("rate = 100.0", "rate = 1e3"));
-    assert!(found.unwrap_err()[0].message.contains("what all draws meet are 400000000 numbers"));
+    assert!(found.unwrap_err()[0].message.contains("what all draws meet are 652480000 numbers"));
     let found = Task::parse(&STOCHASTIC.replace("draws = 4 ", "elites = 1\ndraws = 4 ")).unwrap_err();
     assert_eq!(found[0].message, "elites keep what they cost under other draws");
     for (start, words) in [

@@ -50,7 +50,8 @@ const EXACT: f64 = 1e-14;
 #[test]
 fn without_forces_the_tool_stays_at_rest() {
     let trace = run(&task(100.0, ""));
-    assert_eq!(trace.time.len(), 201);
+    // 2 s (0.1 + 13.277/25) are 1.262 s of rest.
+    assert_eq!((trace.steps(), trace.time.len()), (200, 200 + 127 + 1));
     assert_eq!(distance(&trace, |_| REST), 0.0);
     assert!(trace.axes[0].velocity.iter().all(|v| *v == 0.0));
 }

@@ -34,7 +34,9 @@ fn demonstration(steps: usize, duration: f64, position: impl Fn(f64) -> f64) -> 
 
 fn task(outline: &Outline, demonstrations: &[Demonstration]) -> Task {
     let text = outline.write(demonstrations);
-    Task::parse(&text).unwrap_or_else(|found| panic!("{found:?}\n{text}"))
+    let task = Task::parse(&text).unwrap_or_else(|found| panic!("{found:?}\n{text}"));
+    // What is recorded ends at the duration.
+    Task { ends_at_duration: true, ..task }
 }
 
 fn imitate(imitation: &Imitation, outline: &Outline, demonstrations: &[Demonstration]) -> (Task, Imitated) {
@@ -179,11 +181,13 @@ fn several_demonstrations_are_one_regression_over_all_their_samples() {
     for ((_, start, goal, _), one) in shapes.iter().zip(&demonstrations) {
         squares += (goal - start) * (goal - start);
         values.extend(movement_forcing(&one.axes[0].position, *goal, 25.0, 1.0 / 200.0));
-        for i in 0..200 {
+        // While the forcing term fades, over a tenth of the duration, it is to be zero.
+        values.extend([0.0; 20]);
+        for i in 0..220 {
             let s = phase.at((f64::from(i) + 0.5) / 200.0);
             let mut row = vec![0.0; 20];
             basis.features_into(s, &mut row);
-            features.extend(row.iter().map(|phi| s * (goal - start) * phi));
+            features.extend(row.iter().map(|phi| phase.drive(s) * (goal - start) * phi));
         }
     }
     let stacked = ridge(&features, 20, &values, 1e-9 * squares).unwrap();

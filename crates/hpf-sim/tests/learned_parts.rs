@@ -1,14 +1,16 @@
 //! What is learned and what is not: goals, single primitives, single axes.
 
 use hpf_learn::{Problem, learn_with};
-use hpf_sim::task::{Method, PerAxis};
+use hpf_sim::task::{CostWeights, Method, PerAxis};
 use hpf_sim::{Policy, Simulation, Task};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const REACH: &str = include_str!("../../../tasks/reach.toml");
 
 fn with_learning(text: &str, keys: &str) -> Result<Task, Vec<hpf_sim::Diagnostic>> {
-    Task::parse(&text.replace("[learning]\n", &format!("[learning]\n{keys}\n")))
+    let task = Task::parse(&text.replace("[learning]\n", &format!("[learning]\n{keys}\n")))?;
+    let cost = CostWeights { rest: PerAxis::All(0.0), ..task.cost };
+    Ok(Task { cost, ..task })
 }
 
 /// The policies before and after learning.
@@ -92,7 +94,7 @@ fn a_goal_is_learned_and_the_policy_keeps_it() {
         assert!((0.302..0.32).contains(&after.axes[0].goal), "{method:?}: {}", after.axes[0].goal);
         let simulation = Simulation::new(&task, &read).unwrap();
         let trace = simulation.rollout(&simulation.parameters(&read));
-        let miss = trace.axes[0].position.last().unwrap() - 0.3;
+        let miss = trace.axes[0].position[trace.steps()] - 0.3;
         assert!(miss.abs() < 0.5e-3, "{method:?}: {miss}");
     }
 }

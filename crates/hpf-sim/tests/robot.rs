@@ -12,7 +12,8 @@ fn task(rate: f64, more: &str) -> Task {
          [movement]\nscaling = \"unit\"\n[stiffness]\ninitial = 100\nmin = 30\nmax = 400\n\
          [damping]\ninitial = 50\nmin = 10\nmax = 100\n[cost]\ngoal = 1\n{more}"
     );
-    Task::parse(&text).unwrap_or_else(|found| panic!("{found:?}"))
+    let task = Task::parse(&text).unwrap_or_else(|found| panic!("{found:?}"));
+    Task { ends_at_duration: true, ..task }
 }
 
 fn run(task: &Task) -> Trace {

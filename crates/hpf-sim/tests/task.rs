@@ -103,7 +103,7 @@ fn an_unknown_key_names_the_nearest_one() {
     one(BEAM, ("[contact]", "[contct]"), "contct", "unknown key `contct`, did you mean `contact`?", keys);
     let gain = "stiffness takes: basis, overlap, initial, min, max";
     one(VIA_POINT, ("initial = 100", "intial = 100"), "intial", "unknown key `intial`, did you mean `initial`?", gain);
-    let cost = "cost takes: goal, end_velocity, via_point, via_distance, tracking, contact_force, acceleration, \
+    let cost = "cost takes: goal, end_velocity, rest, via_point, via_distance, tracking, contact_force, acceleration, \
                 stiffness, damping";
     one(VIA_POINT, ("acceleration = 1e-2", "jerk = 1.0"), "jerk", "unknown key `jerk`", cost);
     let scaling = ("scaling = \"goal\"", "scaling = { amplitde = 1 }");
@@ -183,7 +183,7 @@ fn a_number_out_of_range_says_its_range() {
             "-1",
             "`snapshots` must be a whole number of at least 0",
         ),
-        (VIA_POINT, "max_cost = 0.70", "max_cost = -0.7", "-0.7", "`max_cost` must be a number of at least 0"),
+        (VIA_POINT, "max_cost = 1.1", "max_cost = -0.7", "-0.7", "`max_cost` must be a number of at least 0"),
         // What differs by axis is checked with the axes.
         (VIA_POINT, "alpha = 25.0", "alpha = [25.0, -1]", "-1", "`alpha` must be above 0"),
         (VIA_POINT, "min = 30.0", "min = 0", "0", "`min` must be above 0"),
@@ -388,7 +388,8 @@ fn costs_and_targets_need_something_to_measure() {
         let message = format!("`{key}` has nothing to measure");
         one(REACH, (from, to), place, &message, &format!("add a {what}, or leave it out"));
     }
-    let weights = "goal = 1e4\nend_velocity = 10.0\nacceleration = 1e-3\nstiffness = 1e-5\n";
+    let (_, cost) = REACH.split_once("[cost]").unwrap();
+    let weights = cost[cost.find("goal").unwrap()..].split_once("\n\n").unwrap().0;
     let message = "no cost term has a weight: there is nothing to learn";
     let help = "give at least one term of [cost] a weight above 0";
     one_elsewhere(REACH, (weights, ""), "[cost]", message, help);

@@ -79,7 +79,7 @@ impl Task {
         let trajectory = SIGNALS * axes * all_steps;
         let table = |path, what, numbers, copies| Table { path, what, numbers, copies };
         let mut tables = vec![
-            table("rate", "parameters at every step", all_steps * parameters, 4.0 + 2.0 * packed_steps),
+            table("rate", "parameters at every step", steps * parameters, 4.0 + 2.0 * packed_steps),
             table(
                 "output.snapshots",
                 "signals of every kept trajectory",
