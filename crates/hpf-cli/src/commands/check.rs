@@ -78,7 +78,7 @@ fn check_policy(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     if common.json {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "policy", "valid": true,
-            "rest": rest.iter().map(|metric| (metric.name, json!(metric.value))).collect::<serde_json::Map<_, _>>(),
+            "rest": rest.iter().map(|metric| (metric.name.to_owned(), json!(metric.value))).collect::<serde_json::Map<_, _>>(),
             "certificates": certified(&policy, &conditions, &certificates),
         });
         say(&format!("{object:#}\n"))?;
