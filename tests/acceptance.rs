@@ -46,11 +46,14 @@ fn all_within(values: &[f64], bounds: RangeInclusive<f64>) -> bool {
 
 fn cantilever(name: &str) {
     each_seed(name, |summary, trajectory| {
-        let worst = trajectory.column("deviation_m").iter().fold(0.0, |most: f64, deviation| most.max(deviation.abs()));
+        // Of the movement: the rest time has a measure of its own.
+        let movement = &trajectory.column("deviation_m")[..=500];
+        let worst = movement.iter().fold(0.0, |most: f64, deviation| most.max(deviation.abs()));
         assert!(worst <= 0.02e-3, "deviation {worst}");
         assert_eq!(worst, metric(summary, "max_deviation"));
         assert!(trajectory.column("contact_force_n").iter().all(|force| *force > 0.0), "contact is lost");
         assert!(metric(summary, "max_force_error") <= 0.2);
+        assert!(metric(summary, "max_rest_error") <= 2e-3);
         assert!(all_within(&trajectory.column("y_stiffness_n_m"), 30.0..=400.0));
         assert!(all_within(&trajectory.column("y_damping_n_s_m"), 10.0..=100.0));
     });
@@ -72,7 +75,9 @@ fn the_via_point_is_met_softly_first_and_stiffly_where_it_matters() {
         assert!(metric(summary, "max_via_error") <= 0.5e-3);
         assert!(metric(summary, "max_goal_error") <= 0.7e-3);
         assert!(metric(summary, "max_end_speed") <= 0.05);
-        assert!(summary["cost"]["final"]["total"].as_f64().unwrap() <= 0.70);
+        assert!(metric(summary, "max_rest_error") <= 2e-3);
+        // 0.70 without the price of rest; stiffness that rises to its bound before the end is most of the rest.
+        assert!(summary["cost"]["final"]["total"].as_f64().unwrap() <= 1.1);
         for axis in ["x", "y"] {
             let stiffness = trajectory.column(&format!("{axis}_stiffness_n_m"));
             assert!(all_within(&stiffness, 30.0..=400.0));

@@ -337,7 +337,7 @@ fn a_run_becomes_a_bag_of_ros_messages() {
         ],
     );
     let (stdout, _) = expect(0, folder.path(), &["export", "run", "--ros2"]);
-    assert!(stdout.starts_with("run/ros2.mcap: ros2, 3006 messages, "), "{stdout}");
+    assert!(stdout.starts_with("run/ros2.mcap: ros2, 4902 messages, "), "{stdout}");
     expect(0, folder.path(), &["export", "run/policy.json", "--format", "ros2", "--out", "again.mcap"]);
     let bag = fs::read(folder.path().join("run/ros2.mcap")).unwrap();
     assert!(bag == fs::read(folder.path().join("again.mcap")).unwrap(), "the same run gives the same bytes");

@@ -123,7 +123,8 @@ fn three_reaches_make_a_stiffness_that_is_low_where_they_differ() {
     assert_eq!(axis(&summary, 0)["stiffness_from"], "spread");
     assert_eq!(summary["directory"], "runs/reach_softly");
     let stiffness = Columns::read(folder.path().join("runs/reach_softly/trajectory.csv")).column("x_stiffness_n_m");
-    let last = stiffness.len() - 1;
+    // The movement of 2 s at 100 Hz, without its rest time.
+    let last = 200;
     assert!(stiffness[0] > 350.0 && stiffness[last] > 350.0, "they agree at both ends");
     assert!(stiffness[last / 2] < 60.0, "they differ between: {}", stiffness[last / 2]);
     assert_eq!(json(folder.path().join("runs/reach_softly/policy.json"))["duration_s"], 2.0, "the mean duration");
@@ -141,7 +142,8 @@ fn stiffness_and_damping_come_from_what_was_recorded() {
     let columns = Columns::read(folder.path().join("runs/insert_emg/trajectory.csv"));
     let (stiffness, damping) = (columns.column("z_stiffness_n_m"), columns.column("z_damping_n_s_m"));
     assert!(stiffness[100] < 90.0 && stiffness[480] > 400.0, "{} {}", stiffness[100], stiffness[480]);
-    for (k, d) in stiffness.iter().zip(&damping) {
+    // Until the end of the recording at 5 s.
+    for (k, d) in stiffness.iter().zip(&damping).take(501) {
         assert!((d - 2.0 * (2.0 * k).sqrt()).abs() < 0.5, "critical for 2 kg: {k} {d}");
     }
 

@@ -54,11 +54,13 @@ fn tables_and_summary_have_the_columns_and_keys_that_other_programs_read() {
         "time_s,phase,y_reference_m,y_reference_velocity_m_s,y_position_m,y_velocity_m_s,y_force_n,y_stiffness_n_m,\
          y_damping_n_s_m,deflection_m,deviation_m,contact_force_n"
     );
-    assert_eq!(trajectory.column("time_s").len(), 501);
+    // The movement, and 3.16 s of rest.
+    assert_eq!(trajectory.column("time_s").len(), 501 + 316);
     let learning = Columns::read(folder.path().join("c/learning.csv"));
     assert_eq!(
         learning.header(),
-        "update,rollouts,total,goal,end_velocity,via_point,tracking,contact_force,acceleration,stiffness,damping,exploration"
+        "update,rollouts,total,goal,end_velocity,via_point,tracking,contact_force,acceleration,stiffness,damping,rest,\
+         exploration"
     );
     assert_eq!(learning.column("update").len(), 601);
 

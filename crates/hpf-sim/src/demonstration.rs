@@ -85,6 +85,18 @@ impl RecordedAxis {
 }
 
 impl Demonstration {
+    /// Drops what comes later than `duration` [s] after the start, but for rounding.
+    pub fn cut(&mut self, duration: f64) {
+        let end = self.time[0] + duration * (1.0 + 1e-9);
+        let kept = self.time.partition_point(|&time| time <= end);
+        self.time.truncate(kept);
+        for axis in &mut self.axes {
+            axis.position.truncate(kept);
+            let RecordedAxis { reference, stiffness, damping, force, emg, .. } = axis;
+            [reference, stiffness, damping, force, emg].into_iter().flatten().for_each(|signal| signal.truncate(kept));
+        }
+    }
+
     /// How long it took [s].
     pub fn duration(&self) -> f64 {
         self.time.last().copied().unwrap_or_default()

@@ -173,6 +173,8 @@ fn prepared(target: &Target, changes: &[&str], seed: u64, motions: usize) -> cor
         format!("learning.updates={updates}"),
         format!("learning.max_rollouts={motions}"),
         "output.snapshots=[]".to_owned(),
+        // Costs as other methods and libraries have them: of the movement alone.
+        "cost.rest=0".to_owned(),
     ]);
     let text = overrides::apply(target.text, &all)?;
     Ok(LoadedTask { task: parse(&text)?, text })

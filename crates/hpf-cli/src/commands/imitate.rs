@@ -75,13 +75,19 @@ fn read(paths: &[PathBuf]) -> Result<(Vec<Source>, Vec<Demonstration>), Failure>
     let mut sources = Vec::new();
     let mut demonstrations: Vec<Demonstration> = Vec::new();
     for path in paths {
-        // A run is a demonstration: its trajectory.
+        // A run is a demonstration: its trajectory, without the rest time after the movement.
         let path = if path.is_dir() { path.join("trajectory.csv") } else { path.clone() };
+        let task = path.with_file_name("task.toml");
+        let is_of_run = path.ends_with("trajectory.csv") && task.is_file();
+        let movement = if is_of_run { Some(read_task(&task, &[])?.task.duration) } else { None };
         let text = read_text(&path)?;
-        let demonstration = Demonstration::parse(&text).map_err(|mistakes| {
+        let mut demonstration = Demonstration::parse(&text).map_err(|mistakes| {
             let lines = mistakes.iter().map(|mistake| format!("{}:{mistake}", path.display()));
             Failure::Input(lines.collect::<Vec<_>>().join("\nerror: "))
         })?;
+        if let Some(duration) = movement {
+            demonstration.cut(duration);
+        }
         sources.push(Source { sha256: sha256(&text), path });
         demonstrations.push(demonstration);
     }

@@ -76,7 +76,7 @@ fn the_disturbance_that_stands_out_is_that_of_the_motion_shown() {
     let run = &runs()[1];
     let figure = signals::disturbance(run);
     let [.., shown] = &figure.panels[0].layers[..] else { panic!("no line") };
-    assert_eq!(figure.panels[0].layers.len(), 20, "a few of the 100 draws");
+    assert_eq!(figure.panels[0].layers.len(), 1 + 20, "the rest time, and a few of the 100 draws");
     let after: Vec<f64> = shown.points().iter().skip(1).step_by(2).map(|point| point.1).collect();
     assert_eq!(after, run.trajectory.axes[0].force);
     assert!(after.iter().any(|force| *force != 0.0));

@@ -71,10 +71,11 @@ fn a_log_reads_back() {
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let counts: Vec<(String, u64)> =
         Topic::ALL.iter().map(|topic| (topic.name().to_owned(), messages(&bytes, topic.name()).len() as u64)).collect();
-    let expected = [201, 201, 201, 1, 1, 102, 6, 201, 5, 201];
+    // 2 s of movement and 1.27 s of rest at 100 Hz.
+    let expected = [328, 328, 328, 1, 1, 165, 6, 328, 5, 328];
     assert!(counts.iter().map(|(_, count)| *count).eq(expected), "{counts:?}");
     let stats = summary.stats.unwrap();
-    assert_eq!((stats.message_start_time, stats.message_end_time), (0, 2_000_000_000));
+    assert_eq!((stats.message_start_time, stats.message_end_time), (0, 3_270_000_000));
     assert_eq!((stats.attachment_count, stats.metadata_count), (2, 1));
 
     let names: Vec<_> = summary.attachment_indexes.iter().map(|a| (a.name.as_str(), a.log_time)).collect();

@@ -67,7 +67,7 @@ impl Variant {
             Self::PaperPi2 => {
                 &["learning.preset=paper", "learning.noise={ movement = 40.0, stiffness = 80.0, damping = 20.0 }"]
             }
-            Self::Signals => &["learning.method=auto", "learning.max_rollouts=200"],
+            Self::Signals => &["learning.method=auto", "learning.max_rollouts=200", "cost.rest=0"],
         }
     }
 

@@ -94,7 +94,8 @@ impl Imitated {
 
     /// Root mean square of the distance between the reference of `trace` and the mean demonstration, by axis [m].
     pub fn errors(&self, trace: &Trace) -> Vec<f64> {
-        let error = |(a, axis): (usize, &AxisTrace)| distance(&axis.reference_position, &self.mean(a));
+        let movement = trace.steps();
+        let error = |(a, axis): (usize, &AxisTrace)| distance(&axis.reference_position[..=movement], &self.mean(a));
         trace.axes.iter().enumerate().map(error).collect()
     }
 
