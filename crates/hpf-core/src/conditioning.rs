@@ -39,6 +39,12 @@ pub fn dead_zone<T: Real>(force: T, width: T) -> T {
     force - force.at_least(-width).at_most(width)
 }
 
+/// The share of a change that a filter of `cutoff` [Hz] lets through in `dt` [s]: all of it where there is none.
+#[inline]
+pub(crate) fn settled<T: Real>(cutoff: Option<T>, dt: T) -> T {
+    cutoff.map_or(T::ONE, |cutoff| -(-T::of(TAU) * cutoff * dt).exp_m1())
+}
+
 /// How a force is conditioned, `D` axes in one frame.
 ///
 /// ```
@@ -118,7 +124,7 @@ impl<T: Real, const D: usize> ForceConditioning<T, D> {
     /// The share of a change of force that the filter lets through in `dt` [s].
     #[inline]
     pub(crate) fn settled(&self, dt: T) -> T {
-        self.cutoff.map_or(T::ONE, |cutoff| -(-T::of(TAU) * cutoff * dt).exp_m1())
+        settled(self.cutoff, dt)
     }
 
     /// [`step`](Self::step) of a compensated force, given what [`settled`](Self::settled) says.

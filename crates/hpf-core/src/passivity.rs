@@ -19,15 +19,17 @@
 //!
 //! [`EnergyTank`] pays for switching out of what was dissipated before. [`first_order_fails_at`],
 //! [`inertial_decay`], [`largest_offset`] and [`switched_energy`] judge a schedule of gains before it runs,
-//! [`contact_stiffness_limit`] the contact it is run on.
+//! [`ForceLoop`] the tool and the contact it is run with.
 
 mod certificate;
+mod contact;
 mod tank;
 
 pub use certificate::{
     contact_stiffness_limit, first_order_fails_at, inertial_contact_stiffness_limit, inertial_decay, largest_offset,
     switched_energy,
 };
+pub use contact::{Case, Contact, ForceLoop, Load, Sampling, safe_tool_mass};
 pub use tank::EnergyTank;
 
 use crate::Real;
