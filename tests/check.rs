@@ -226,7 +226,12 @@ fn constant_gains_are_certified_passive_with_the_numbers_of_the_closed_form() {
     // Rounding of a mixture of equal weights is all that rises.
     assert!(number("switched_energy_j") < 1e-9, "{found:#}");
     assert!((number("largest_offset") - 0.2).abs() < 1e-8); // f/k after 20 time constants
-    assert!((number("contact_stiffness_limit") - 50_000.0).abs() < 1e-3); // one sample late: d/h
+    // One sample late: z^2 - exp(-k h/d) z + K (1 - exp(-k h/d))/k has a root on the circle.
+    let limit = 100.0 / (1.0 - (-0.002_f64).exp());
+    assert!((number("contact_stiffness_limit") / limit - 1.0).abs() < 1e-6, "{found:#}");
+    assert_eq!(found["axes"][1]["contact_limited_by"], "carried");
+    // No filter: d h/2 at any delay.
+    assert!((number("safe_tool_mass") - 0.025).abs() < 1e-9, "{found:#}");
     // Without forcing x'' = alpha beta (g - x)/tau^2 at the start, and x' is largest at 2 tau/alpha: alpha/(2 e tau).
     assert!((number("peak_acceleration") - 25.0 * 6.25 / 25.0).abs() < 1e-9);
     assert!((number("peak_velocity") - 25.0 / (2.0 * 1.0_f64.exp() * 5.0)).abs() < 1e-6);
@@ -298,12 +303,46 @@ fn a_measured_contact_too_stiff_for_its_loop_is_warned_of() {
     let text = read(task("cantilever.toml")) + "\n[sensor]\ndelay = 0.01\n";
     std::fs::write(folder.path().join("late.toml"), text).unwrap();
     let (stdout, _) = expect(0, folder.path(), &["check", "late.toml"]);
-    // One sample late: d/h = 10/0.01 N/m at the least damping.
+    // One sample late at the least gains, 30 N/m and 10 N s/m: k/(1 - exp(-k h/d)) with h = 0.01 s.
     assert!(stdout.contains("warning") && stdout.contains("as stiff as 1000000 N/m"), "{stdout}");
-    assert!(stdout.contains("stable below 1000 N/m"), "{stdout}");
+    assert!(stdout.contains(&format!("stable below {:.0} N/m", 30.0 / (1.0 - (-0.03_f64).exp()))), "{stdout}");
     let (stdout, _) = expect(0, folder.path(), &["check", &task("cantilever.toml"), "--json"]);
     let object: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(object["warnings"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn the_force_loop_is_certified_with_tool_and_contact_as_declared() {
+    let folder = folder();
+    write_policy(folder.path(), |_| 100.0, 100.0);
+    let axis = |more: &[&str]| certificates(folder.path(), more)["axes"][0].take();
+    let limit = |axis: &serde_json::Value| axis["contact_stiffness_limit"].as_f64().unwrap();
+    let bare = axis(&[]);
+    // 50 g behind the contact's spring: nearly a third.
+    let heavy = axis(&["--contact-mass", "0.05"]);
+    assert_eq!(heavy["contact_limited_by"], "behind");
+    assert!((0.3..0.4).contains(&(limit(&heavy) / limit(&bare))), "{heavy:#}");
+    // 0.5 kg behind the sensor: unstable before anything is touched, stable behind a filter or where it is light.
+    let tool = axis(&["--tool-mass", "0.5"]);
+    assert_eq!((limit(&tool), &tool["contact_limited_by"]), (0.0, &"free_air".into()));
+    assert!(tool["tool_mass_limit"].as_f64().unwrap() < 0.5);
+    let filtered = axis(&["--tool-mass", "0.5", "--cutoff", "10"]);
+    assert!(limit(&filtered) > 1000.0 && filtered["safe_tool_mass"].as_f64().unwrap() > 0.5, "{filtered:#}");
+    let damped = axis(&["--contact-mass", "0.05", "--contact-damping", "20"]);
+    assert!(limit(&damped) > limit(&heavy), "{damped:#}");
+    let late = axis(&["--lag", "0.005"]);
+    assert!(limit(&late) < limit(&bare), "{late:#}");
+    let (text, _) = expect(0, folder.path(), &["check", "policy.json", "--tool-mass", "0.5", "--lag", "0.005"]);
+    assert!(text.contains("robot 5.000 ms behind its command, no filter, tool 0.5000 kg"), "{text}");
+    let (text, _) = expect(0, folder.path(), &["check", "policy.json", "--tool-mass", "0.5"]);
+    assert!(text.contains("none: a tool of 0.5000 kg oscillates in free air already"), "{text}");
+    // Sensor and actuator of the task beside it are those of the certificate.
+    let task = read(task("via_point.toml")) + "\n[sensor]\ndelay = 0.02\n[actuator]\nlag = 0.03\n";
+    std::fs::write(folder.path().join("task.toml"), task).unwrap();
+    let found = certificates(folder.path(), &[]);
+    assert_eq!((found["delay_s"].as_f64(), found["lag_s"].as_f64()), (Some(0.02), Some(0.03)));
+    let found = certificates(folder.path(), &["--delay", "0", "--lag", "0"]);
+    assert_eq!((found["delay_s"].as_f64(), found["lag_s"].as_f64()), (Some(0.0), Some(0.0)));
 }
 
 #[test]
@@ -326,6 +365,11 @@ fn conditions_that_cannot_be_are_refused() {
         ("--rate", "-1"),
         ("--delay", "-0.1"),
         ("--load", "inf"),
+        ("--lag", "-1"),
+        ("--cutoff", "0"),
+        ("--tool-mass", "nan"),
+        ("--contact-mass", "-1"),
+        ("--contact-damping", "-1"),
         ("--rate", "900000"),
     ] {
         let argument = format!("{option}={value}");

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use hpf_core::packed::Packed;
 use hpf_core::{HybridPrimitive, Real};
-use hpf_sim::{Policy, Task};
+use hpf_sim::{Family, Policy, Task};
 
 use crate::support::{Columns, expect, folder, hpf, read, root, task};
 use crate::waves;
@@ -200,6 +200,100 @@ fn the_c_header_compiles_without_warnings_and_has_the_same_numbers() {
         }
         assert_eq!(names, format!("{}\n--\n{}\n--\n", policy.axes[0].name, policy.axes[1].name));
     }
+}
+
+/// A program in C89 that fills a policy of `hpf.h` and prints every number of it.
+fn filler(upper: &str, scalar: &str) -> String {
+    let lists = ["movement", "stiffness", "damping"];
+    let shown = |of: &str| format!("show(p.{of});\n");
+    let mut text: String = ["duration", "decay"].map(shown).concat();
+    for name in lists {
+        text += &format!(
+            "if (p.{name}_basis.family == HPF_BASIS_TIME) show(p.{name}_basis.overlap);\n\
+             else for (i = 0; i < p.{name}_basis.count; i++) {{\n\
+             show(p.{name}_basis.centers[i]); show(p.{name}_basis.widths[i]); }}\n"
+        );
+    }
+    let mut axis: String = ["start", "goal", "alpha", "forcing_scale"].map(|of| shown(&format!("axis[a].{of}"))).concat();
+    for of in ["stiffness_min", "stiffness_max", "damping_min", "damping_max", "mass"] {
+        axis += &shown(&format!("axis[a].{of}"));
+    }
+    for name in lists {
+        axis += &format!("for (i = 0; i < p.{name}_basis.count; i++) show(p.axis[a].{name}_weights[i]);\n");
+    }
+    format!(
+        "#include <stdio.h>\n#include \"hpf.h\"\n#include \"policy.h\"\n\
+         static void show(double x) {{ printf(\"%.17g\\n\", x); }}\n\
+         int main(void) {{\nhpf_{scalar}_policy_t p;\nuint32_t a, i;\n{upper}_POLICY(p);\n\
+         if (p.struct_size != sizeof p || p.abi_version != HPF_ABI_VERSION || p.lists != HPF_LISTS_BORROWED) return 1;\n\
+         {text}for (a = 0; a < p.axes; a++) {{\n{axis}}}\nreturn 0; }}\n"
+    )
+}
+
+#[test]
+fn the_c_header_fills_the_policy_of_the_interface() {
+    let include = concat!(env!("CARGO_MANIFEST_DIR"), "/../hpf-c/include");
+    for policy in [policy(), policy_in_time()] {
+        for scalar in ["f64", "f32"] {
+            let folder = folder();
+            write(folder.path(), &policy);
+            expect(0, folder.path(), &["export", "policy.json", "--format", "c", "--scalar", scalar]);
+            let header = read(folder.path().join("policy.h"));
+            let upper = header.split("#ifndef ").nth(1).and_then(|rest| rest.split("_H\n").next()).unwrap();
+            fs::write(folder.path().join("main.c"), filler(upper, scalar)).unwrap();
+            let built = Command::new("cc")
+                .current_dir(folder.path())
+                .args(["-std=c89", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-I", include])
+                .args(["main.c", "-o", "main"])
+                .output()
+                .expect("cc starts");
+            assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+            let printed = Command::new(folder.path().join("main")).output().unwrap();
+            assert!(printed.status.success());
+            let found: Vec<f64> =
+                String::from_utf8(printed.stdout).unwrap().lines().map(|line| line.parse().unwrap()).collect();
+            let mut expected = vec![policy.duration_s, policy.phase.decay];
+            let first = &policy.axes[0];
+            let bases = [
+                (first.movement.family, &first.movement.centers, &first.movement.widths),
+                (first.stiffness.family, &first.stiffness.centers, &first.stiffness.widths),
+                (first.damping.family, &first.damping.centers, &first.damping.widths),
+            ];
+            for (family, centers, widths) in bases {
+                match family {
+                    Family::Time { overlap } => expected.push(overlap),
+                    Family::Phase => expected.extend(centers.iter().zip(widths).flat_map(|(&c, &w)| [c, w])),
+                }
+            }
+            for (i, axis) in policy.axes.iter().enumerate() {
+                expected.extend([axis.start, axis.goal, axis.movement.alpha, axis.movement.forcing_scale]);
+                expected.extend([axis.stiffness.min, axis.stiffness.max, axis.damping.min, axis.damping.max]);
+                expected.push(policy.admittance.mass.as_ref().map_or(0.0, |mass| mass[i]));
+                let lists = [&axis.movement.weights, &axis.stiffness.weights, &axis.damping.weights];
+                expected.extend(lists.into_iter().flatten());
+            }
+            if scalar == "f32" {
+                expected.iter_mut().for_each(|number| *number = f64::from(*number as f32));
+            }
+            assert_eq!(found, expected, "{scalar}");
+        }
+    }
+}
+
+/// The skill that the examples in C run, an export of the plain reach, is what `hpf export` writes.
+#[test]
+fn the_skill_of_the_examples_in_c_is_an_export() {
+    let folder = folder();
+    let reach = Policy::initial(&Task::parse(&read(task("reach.toml"))).unwrap()).unwrap();
+    write(folder.path(), &reach);
+    expect(0, folder.path(), &["export", "policy.json", "--format", "c"]);
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../hpf-c/examples/skill.h");
+    let written = read(folder.path().join("policy.h"));
+    if std::env::var_os("UPDATE_HEADER").is_some() {
+        fs::write(&kept, &written).unwrap();
+    }
+    let found = fs::read_to_string(&kept).unwrap_or_default();
+    assert!(found == written, "{} is stale: UPDATE_HEADER=1 cargo test -p hpf-cli --test e2e -- export::", kept.display());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compiles and runs the C and C++ examples against the static and the shared library, warnings denied, and the skeleton of
-# a ros2_control controller; tries the CMake recipe; proves by linking that no function of the interface reaches a panic.
+# Compiles and runs the C and C++ examples against the static and the shared library, warnings denied, every program in C
+# of the documentation, and the skeleton of a ros2_control controller; compiles the header as C89 and as C++98; tries the
+# CMake recipe; proves by linking that no function of the interface reaches a panic.
 # Ends with 0 only if all of it holds.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -15,6 +16,12 @@ surprise() {
     exit 1
 }
 
+denied=(-Wall -Wextra -Wpedantic -Werror)
+cc -std=c89 "${denied[@]}" -Iinclude check/header.c -o "$work/c89"
+c++ -std=c++98 "${denied[@]}" -Iinclude -x c++ check/header.c -o "$work/cpp98"
+"$work/c89" && "$work/cpp98" || surprise "the header prepares what it should not"
+echo "passed  the header as C89 and as C++98"
+
 cargo build --quiet --release --package hpf-c
 built="$CARGO_TARGET_DIR/release"
 cc -std=c99 "${warnings[@]}" -Iinclude -c examples/reach.c -o "$work/c.o"
@@ -28,6 +35,22 @@ c++ "$work/cpp.o" -L"$built" -Wl,-rpath,"$built" -lhpf_c -lm -o "$work/cpp_share
 "$work/c_shared" >/dev/null
 "$work/cpp_shared" >/dev/null
 echo "passed  C and C++ examples, static and shared"
+
+# Each block of C in the documentation is a whole program; check/robot.c is the robot that must get to its goal.
+programs=0
+for page in README.md ../../README.md ../../docs/*.md; do
+    awk -v stem="$work/page_$((++programs))" \
+        '/^```c$/ { name = stem "_" ++count ".c"; next } /^```$/ { name = "" } name { print > name }' "$page"
+done
+programs=0
+for program in "$work"/page_*.c; do
+    cc -std=c89 "${denied[@]}" -Iinclude -Iexamples "$program" check/robot.c "$built/libhpf_c.a" -lpthread -ldl -lm \
+        -o "$work/program"
+    "$work/program" || surprise "a program of the documentation does not get the tool to its goal"
+    programs=$((programs + 1))
+done
+[ "$programs" -ge 2 ] || surprise "the documentation lacks its programs in C"
+echo "passed  $programs programs of the documentation, as C89: the robot moves to its goal"
 
 skeleton=examples/ros2_control
 c++ -std=c++17 "${warnings[@]}" -Iinclude -I$skeleton/stub $skeleton/hpf_controller.cpp $skeleton/check.cpp \

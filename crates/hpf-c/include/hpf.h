@@ -1259,7 +1259,7 @@ typedef struct hpf_f32_output_t {
 
 #ifdef __cplusplus
 extern "C" {
-#endif // __cplusplus
+#endif
 
 /*
  What `status` means; never null, never freed.
@@ -1467,7 +1467,7 @@ int32_t hpf_f32_counters(const struct hpf_f32_controller_t *controller, struct h
 int32_t hpf_f32_bias(const struct hpf_f32_controller_t *controller, float *bias);
 
 #ifdef __cplusplus
-}  // extern "C"
-#endif  // __cplusplus
+}
+#endif
 
 #endif  /* HPF_H */

@@ -84,5 +84,8 @@ fn the_header_is_that_of_the_sources() {
     }
     let mut header = Vec::new();
     builder.generate().unwrap().write(&mut header);
-    agrees("include/hpf.h", &String::from_utf8(header).unwrap());
+    // C89 knows no line comments, and nothing behind a directive.
+    let header = String::from_utf8(header).unwrap();
+    let lines = header.lines().map(|line| line.split(" //").next().unwrap_or_default().trim_end());
+    agrees("include/hpf.h", &(lines.collect::<Vec<_>>().join("\n") + "\n"));
 }

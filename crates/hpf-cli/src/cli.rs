@@ -132,9 +132,11 @@ Examples:
 Examples:
   hpf check tasks/cantilever.toml --set rate=1000
   hpf check runs/cantilever --rate 1000 --delay 0.004 --load 20
+  hpf check runs/cantilever --rate 1000 --tool-mass 0.5 --cutoff 10 --lag 0.005 --contact-mass 0.05
 
 Certificates of a policy, by axis: whether its gains are passive from rest (first order), the energy that rising stiffness can
-put in under any force within --load, the stiffest contact for a force --delay late, the fastest reference.")]
+put in under any force within --load, the heaviest tool behind the sensor and the stiffest contact that the loop through the
+measured force can stand, the fastest reference.")]
     Check(Check),
     /// Write a policy for firmware (Rust, C, binary), or a run for ROS 2
     #[command(after_help = "\
@@ -256,7 +258,7 @@ pub struct Plot {
 }
 
 /// `hpf check`
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Default)]
 pub struct Check {
     /// Task file (TOML), policy file (JSON) or run directory
     #[arg(value_name = "TASK|POLICY|RUN")]
@@ -267,9 +269,24 @@ pub struct Check {
     /// Control rate of a policy [Hz] [default: that of task.toml beside it, else 1000]
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
-    /// Age of the measured force [s] [default: one sample]
+    /// Age of the measured force [s] [default: sensor.delay of that task, else one sample]
     #[arg(long, value_name = "S")]
     pub delay: Option<f64>,
+    /// Time constant with which the robot follows its command [s] [default: actuator.lag of that task, else 0]
+    #[arg(long, value_name = "S")]
+    pub lag: Option<f64>,
+    /// Cut-off of the force filter of the controller [Hz] [default: no filter]
+    #[arg(long, value_name = "HZ")]
+    pub cutoff: Option<f64>,
+    /// Mass of the tool behind the force sensor [kg or kg m^2] [default: 0]
+    #[arg(long, value_name = "KG")]
+    pub tool_mass: Option<f64>,
+    /// Mass of what the tool touches [kg or kg m^2] [default: 0]
+    #[arg(long, value_name = "KG")]
+    pub contact_mass: Option<f64>,
+    /// Damping of what the tool touches [N s/m or N m s/rad] [default: 0]
+    #[arg(long, value_name = "N_S_PER_M")]
+    pub contact_damping: Option<f64>,
     /// Largest force of the environment [N or N m] [default: 10]
     #[arg(long, value_name = "N")]
     pub load: Option<f64>,

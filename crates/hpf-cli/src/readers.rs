@@ -87,7 +87,7 @@ pub fn policy(bytes: &[u8]) -> bool {
     assert_eq!(bits(&policy.weights()), bits(&again.weights()));
     assert_eq!(policy, again);
     let rate = 10.0 / policy.duration_s;
-    let _ = policy.certify(&Conditions { rate, delay: 1.0 / rate, load: 10.0 });
+    let _ = policy.certify(&Conditions::new(rate, 1.0 / rate, 10.0));
     for format in [Format::Binary, Format::C, Format::Rust] {
         let form = format.firmware().expect("these forms are for firmware");
         let _ = export(&policy, form, Precision::F32);

@@ -4,6 +4,7 @@ use core::fmt::Write as _;
 
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
+use hpf_core::passivity::Case;
 use hpf_sim::task::{Environment, Task, Unit};
 use hpf_sim::{Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
@@ -214,13 +215,23 @@ pub fn policy(policy: &Policy) -> String {
 
 /// What each axis of a policy can do at worst.
 pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> String {
-    let Conditions { rate, delay, load } = *conditions;
+    let Conditions { rate, delay, load, lag, cutoff, contact: touched } = *conditions;
     let mut text = format!(
         "certificates, {}-order law at {} Hz, measured force {} ms late, over the movement and as long again at its goal\n",
         if policy.admittance.order == 2 { "second" } else { "first" },
         number(rate),
         number(delay * 1e3)
     );
+    let masses = [touched.tool, touched.mass, touched.damping];
+    if lag > 0.0 || cutoff.is_some() || masses.iter().any(|&value| value > 0.0) {
+        let filter = cutoff.map_or("no filter".into(), |cutoff| format!("filter at {} Hz", number(cutoff)));
+        let [tool, mass, damping] = masses.map(number);
+        let _ = writeln!(
+            text,
+            "  robot {} ms behind its command, {filter}, tool {tool} kg, contact {mass} kg and {damping} N s/m",
+            number(lag * 1e3)
+        );
+    }
     for (axis, certificate) in policy.axes.iter().zip(certificates) {
         let [unit, force, stiffness, damping] = match axis.unit {
             Unit::M => ["m", "N", "N/m", "N s/m"],
@@ -236,7 +247,24 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
             (_, None) => "not proved: stiffness rises faster than damping can take".into(),
         };
         let (energy, offset) = (number(certificate.switched_energy), measure(certificate.largest_offset, unit));
-        let contact = number(certificate.contact_stiffness);
+        let held = if axis.unit == Unit::M { "kg" } else { "kg m^2" };
+        let contact = match certificate.contact_case {
+            Case::FreeAir => format!("none: a tool of {} {held} oscillates in free air already", number(touched.tool)),
+            _ if certificate.contact_stiffness == 0.0 => {
+                format!("none: {} {held} that move with the tool oscillate", number(touched.tool + touched.mass))
+            }
+            case => format!(
+                "softer than {} {stiffness}{}, at {} s",
+                number(certificate.contact_stiffness),
+                match case {
+                    Case::Behind => ", its mass behind its spring",
+                    _ if touched.mass > 0.0 => ", its mass moving with the tool",
+                    _ => "",
+                },
+                number(certificate.contact_at)
+            ),
+        };
+        let (tool, safe) = (number(certificate.tool_mass), number(certificate.safe_tool_mass));
         let least = number(certificate.least_damping);
         let (velocity, acceleration) = (number(certificate.peak_velocity), number(certificate.peak_acceleration));
         let _ = writeln!(text, "  {}", axis.name);
@@ -247,7 +275,8 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
             "    energy    at most {energy} J from rising stiffness, offset within {offset} (any force to {} {force})",
             number(load)
         );
-        let _ = writeln!(text, "    contact   softer than {contact} {stiffness} (damping at least {least} {damping})");
+        let _ = writeln!(text, "    tool      lighter than {tool} {held} behind the sensor; at any delay and lag, up to {safe} {held}");
+        let _ = writeln!(text, "    contact   {contact} (damping at least {least} {damping})");
         let _ = writeln!(text, "    reference at most {velocity} {unit}/s, {acceleration} {unit}/s^2");
         let rest = measure(certificate.rest_distance, unit);
         let _ = writeln!(text, "    rest      reference within {rest} of the goal after the end, where nothing pushes");

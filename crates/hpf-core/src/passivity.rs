@@ -29,7 +29,7 @@ pub use certificate::{
     contact_stiffness_limit, first_order_fails_at, inertial_contact_stiffness_limit, inertial_decay, largest_offset,
     switched_energy,
 };
-pub use contact::{Case, Contact, ForceLoop, Load, Sampling, safe_tool_mass};
+pub use contact::{Case, Contact, ForceLoop, Load, MOST_DELAY, Sampling, safe_tool_mass};
 pub use tank::EnergyTank;
 
 use crate::Real;

@@ -5,8 +5,7 @@
 
 use hpf_core::admittance::{Inertial, OffsetMotion};
 use hpf_core::passivity::{
-    contact_stiffness_limit, first_order_fails_at, inertial_contact_stiffness_limit, inertial_decay, largest_offset,
-    switched_energy,
+    Case, Contact, ForceLoop, MOST_DELAY, Sampling, first_order_fails_at, inertial_decay, largest_offset, switched_energy,
 };
 use hpf_core::{ConfigError, HybridPrimitive};
 
@@ -24,7 +23,30 @@ pub struct Conditions {
     pub delay: f64,
     /// Largest force of the environment [N or N m].
     pub load: f64,
+    /// Cut-off of the force filter [Hz], if there is one.
+    pub cutoff: Option<f64>,
+    /// Time constant with which the robot follows its command [s].
+    pub lag: f64,
+    /// Tool, and what it touches.
+    pub contact: Contact,
 }
+
+impl Conditions {
+    /// A control rate [Hz], an age of the force [s], a largest force [N or N m]; no filter, no lag, no masses.
+    pub fn new(rate: f64, delay: f64, load: f64) -> Self {
+        Self { rate, delay, load, cutoff: None, lag: 0.0, contact: Contact::default() }
+    }
+
+    /// Steps are longer where a force would be older than the steps that a loop looks back: cautious, by a thousandth.
+    fn sampling(&self) -> Sampling {
+        let dt = self.rate.recip().max(self.delay / MOST_DELAY);
+        Sampling { dt, delay: self.delay, cutoff: self.cutoff, lag: self.lag }
+    }
+}
+
+/// Instants of a schedule at which its force loop is looked at, beside that of the least damping and of the largest
+/// stiffness.
+const LOOPS: usize = 8;
 
 /// Instants at which the largest offset of a tool with inertia is looked for.
 const INSTANTS: usize = 64;
@@ -45,8 +67,16 @@ pub struct Certificate {
     pub switched_energy: f64,
     /// Least damping of the schedule [N s/m].
     pub least_damping: f64,
-    /// Stiffness of a contact from which on the force loop may be unstable [N/m].
+    /// Stiffness [N/m] below which a contact is stable under the gains of every instant looked at; infinite where all are.
     pub contact_stiffness: f64,
+    /// What limits it.
+    pub contact_case: Case,
+    /// When in the movement it is that low [s].
+    pub contact_at: f64,
+    /// Mass [kg] below which a tool behind the sensor is stable in free air, likewise.
+    pub tool_mass: f64,
+    /// Mass [kg] up to which it is, whatever the delay and the lag.
+    pub safe_tool_mass: f64,
     /// Largest speed of the reference [axis unit/s].
     pub peak_velocity: f64,
     /// Largest acceleration of the reference, in size [axis unit/s^2].
@@ -59,9 +89,10 @@ impl Policy {
     /// The certificate of each axis, in axis order.
     ///
     /// # Errors
-    /// [`ConfigError`] for a rate that is not positive, a delay or load below nought, and a schedule of too many steps.
+    /// [`ConfigError`] for a rate or cut-off that is not positive, a delay, load, lag, mass or damping below nought, and a
+    /// schedule of too many steps.
     pub fn certify(&self, conditions: &Conditions) -> Result<Vec<Certificate>, ConfigError> {
-        let Conditions { rate, delay, load } = *conditions;
+        let Conditions { rate, delay, load, cutoff, lag, contact } = *conditions;
         let within = |field, value: f64, min, max| {
             let fits = value.is_finite() && value >= min && value <= max;
             if fits { Ok(()) } else { Err(ConfigError::OutOfRange { field, value, min, max }) }
@@ -69,6 +100,11 @@ impl Policy {
         within("rate", rate, f64::MIN_POSITIVE, 1e6)?;
         within("delay", delay, 0.0, 10.0)?;
         within("load", load, 0.0, 1e9)?;
+        cutoff.map_or(Ok(()), |cutoff| within("cutoff", cutoff, f64::MIN_POSITIVE, 1e9))?;
+        within("lag", lag, 0.0, 1e3)?;
+        within("tool mass", contact.tool, 0.0, 1e6)?;
+        within("contact mass", contact.mass, 0.0, 1e6)?;
+        within("contact damping", contact.damping, 0.0, 1e9)?;
         within("steps at this rate", 2.0 * self.duration_s * rate, 0.0, MAX_CERTIFIED_STEPS)?;
         let mass = |axis: usize| self.admittance.mass.as_ref().map(|mass| mass[axis]);
         (0..self.axes.len()).map(|axis| certify(&self.axis(axis).to_hybrid()?, mass(axis), conditions)).collect()
@@ -80,12 +116,12 @@ impl Policy {
 pub struct MeasuredContact {
     /// Largest stiffness of the contact [N/m].
     pub stiffness: f64,
-    /// Stiffness from which on the force loop may be unstable at the least damping that the task allows [N/m].
+    /// Stiffness from which on the force loop is unstable at the least stiffness and damping that the task allows [N/m].
     pub limit: f64,
 }
 
 impl Task {
-    /// The contact of a task whose force is measured, where it has both. The lag of an actuator counts as delay.
+    /// The contact of a task whose force is measured, where it has both.
     pub fn measured_contact(&self) -> Option<MeasuredContact> {
         let contact = self.contact.as_ref()?;
         let axis = self.axis_index(contact.axis())?;
@@ -94,13 +130,12 @@ impl Task {
         }
         let steps = 2 * self.steps();
         let surface = |i: usize| contact.surface(i as f64 / steps as f64, self.axis[axis].start).stiffness;
-        let late = self.sensor.as_ref().map_or(0.0, |sensor| sensor.delay)
-            + self.actuator.as_ref().map_or(0.0, |actuator| actuator.lag);
-        let (damping, dt) = (self.damping.min.of(axis), self.rate.recip());
-        let limit = match &self.admittance.mass {
-            Some(mass) => inertial_contact_stiffness_limit(mass.of(axis), damping, late, dt),
-            None => contact_stiffness_limit(damping, late, dt),
-        };
+        let delay = self.sensor.as_ref().map_or(0.0, |sensor| sensor.delay);
+        let lag = self.actuator.as_ref().map_or(0.0, |actuator| actuator.lag);
+        let sampling = Conditions { lag, ..Conditions::new(self.rate, delay, 0.0) }.sampling();
+        let mass = self.admittance.mass.as_ref().map(|mass| mass.of(axis));
+        let around = ForceLoop::new(mass, self.stiffness.min.of(axis), self.damping.min.of(axis), &sampling).ok()?;
+        let (limit, _) = around.stiffness_limit(&Contact::default());
         Some(MeasuredContact { stiffness: (0..=steps).map(surface).fold(0.0, f64::max), limit })
     }
 }
@@ -130,6 +165,36 @@ fn largest_inertial_offset(gains: &[(f64, f64)], law: &Inertial<f64>, load: f64,
     (1..=INSTANTS).map(|instant| worst(instant * steps.len() / INSTANTS)).fold(0.0, f64::max)
 }
 
+/// What the force loop can stand at the worst of the instants looked at.
+struct WorstLoop {
+    stiffness: f64,
+    case: Case,
+    step: usize,
+    tool_mass: f64,
+    safe_tool_mass: f64,
+}
+
+fn worst_loop(gains: &[(f64, f64)], mass: Option<f64>, conditions: &Conditions) -> Result<WorstLoop, ConfigError> {
+    let steps = 0..gains.len();
+    let softest = steps.clone().min_by(|&a, &b| gains[a].1.total_cmp(&gains[b].1));
+    let stiffest = steps.max_by(|&a, &b| gains[a].0.total_cmp(&gains[b].0));
+    let even = (0..LOOPS).map(|i| i * (gains.len() - 1) / (LOOPS - 1));
+    let endless = f64::INFINITY;
+    let mut worst =
+        WorstLoop { stiffness: endless, case: Case::Carried, step: 0, tool_mass: endless, safe_tool_mass: endless };
+    for step in softest.into_iter().chain(stiffest).chain(even) {
+        let (stiffness, damping) = gains[step];
+        let around = ForceLoop::new(mass, stiffness, damping, &conditions.sampling())?;
+        let (stiffness, case) = around.stiffness_limit(&conditions.contact);
+        if stiffness < worst.stiffness {
+            worst = WorstLoop { stiffness, case, step, ..worst };
+        }
+        worst.tool_mass = worst.tool_mass.min(around.tool_mass_limit());
+        worst.safe_tool_mass = worst.safe_tool_mass.min(around.safe_tool_mass());
+    }
+    Ok(worst)
+}
+
 fn certify(
     skill: &HybridPrimitive<f64, Vec<f64>, 1>,
     mass: Option<f64>,
@@ -146,21 +211,17 @@ fn certify(
     let [axis] = skill.axes();
     let least_damping = gains.iter().map(|gain| gain.1).fold(f64::INFINITY, f64::min);
 
-    let (decay, offset, contact_stiffness) = match mass {
+    let (decay, offset) = match mass {
         Some(mass) => {
             let law = Inertial::new(mass, axis.stiffness.max(), axis.damping.max(), h)?;
             (
                 inertial_decay(gains.iter().copied(), mass, h),
                 largest_inertial_offset(&gains, &law, conditions.load, h),
-                inertial_contact_stiffness_limit(mass, least_damping, conditions.delay, h),
             )
         }
-        None => (
-            None,
-            largest_offset(gains.iter().copied(), conditions.load, h),
-            contact_stiffness_limit(least_damping, conditions.delay, h),
-        ),
+        None => (None, largest_offset(gains.iter().copied(), conditions.load, h)),
     };
+    let worst = worst_loop(&gains, mass, conditions)?;
     let (movement, mut state) = (&axis.movement, skill.initial_state());
     let (mut velocity, mut acceleration, mut rest) = (0.0_f64, 0.0_f64, 0.0_f64);
     for step in 0..=2 * steps {
@@ -182,7 +243,11 @@ fn certify(
         largest_offset: offset,
         switched_energy: switched_energy(gains.iter().map(|gain| gain.0), offset),
         least_damping,
-        contact_stiffness,
+        contact_stiffness: worst.stiffness,
+        contact_case: worst.case,
+        contact_at: worst.step as f64 * h,
+        tool_mass: worst.tool_mass,
+        safe_tool_mass: worst.safe_tool_mass,
         peak_velocity: velocity,
         peak_acceleration: acceleration,
         rest_distance: rest,

@@ -84,7 +84,7 @@ fn check_policy(policy: &Policy, rate: f64) -> Result<(), String> {
     if again != *policy || bits(&again) != bits(policy) {
         return Err("the policy is another one after reading".into());
     }
-    let conditions = Conditions { rate, delay: rate.recip(), load: 10.0 };
+    let conditions = Conditions::new(rate, rate.recip(), 10.0);
     let certificates = policy.certify(&conditions).map_err(|error| format!("no certificate: {error}"))?;
     let finite = certificates.iter().all(|certificate| {
         let numbers = [certificate.largest_offset, certificate.switched_energy, certificate.peak_velocity];

@@ -30,7 +30,7 @@ fn a_task_in_the_time_family_learns_and_its_policy_reads_back() {
     let policy = policy.with_weights(&history.best.weights);
     let read = Policy::parse(&policy.to_json()).unwrap();
     assert_eq!(read, policy);
-    read.certify(&Conditions { rate: 1000.0, delay: 0.001, load: 10.0 }).unwrap();
+    read.certify(&Conditions::new(1000.0, 0.001, 10.0)).unwrap();
     // The control loop steps the same gains as the simulator.
     let (trace, skill) = (simulation.rollout(&policy.weights()), policy.to_hybrid::<2>().unwrap());
     for (i, phase) in trace.phase.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use hpf_core::passivity::{Case, Contact};
 use hpf_sim::task::Task;
 use hpf_sim::{Certificate, Conditions, Metric, Policy, Simulation};
 use serde_json::{Value, json};
@@ -22,8 +23,12 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     if path.is_dir() || path.extension().is_some_and(|extension| extension == "json") {
         return check_policy(options, common);
     }
-    if options.rate.is_some() || options.delay.is_some() || options.load.is_some() {
-        return Err(Failure::Input("--rate, --delay and --load are for policies; a task takes --set rate=HZ".into()));
+    let Check { rate, delay, load, lag, cutoff, tool_mass, contact_mass, contact_damping, .. } = options;
+    let conditions = [rate, delay, load, lag, cutoff, tool_mass, contact_mass, contact_damping];
+    if conditions.iter().any(|condition| condition.is_some()) {
+        let help = "--rate, --delay, --load, --lag, --cutoff, --tool-mass, --contact-mass and --contact-damping are for \
+                    policies; a task takes --set rate=HZ";
+        return Err(Failure::Input(help.into()));
     }
     let mut changes = options.set.clone();
     changes.extend(common.seed.map(|seed| format!("learning.seed={seed}")));
@@ -108,15 +113,35 @@ fn rest_in_task(policy: &Policy, path: &Path) -> Result<Vec<Metric>, Failure> {
     Ok(metrics.into_iter().filter(|metric| metric.name.ends_with("_rest_error")).collect())
 }
 
-/// What to certify for: as asked, else the rate of the task beside the policy, a force one sample late.
+/// What to certify for: as asked, else the rate, sensor and actuator of the task beside the policy, a force one sample late.
 fn conditions(options: &Check, policy: &Path) -> Result<Conditions, Failure> {
-    let task = policy.with_file_name("task.toml");
-    let rate = match options.rate {
-        Some(rate) => rate,
-        None if task.is_file() => read_task(&task, &[])?.task.rate,
-        None => RATE,
-    };
-    Ok(Conditions { rate, delay: options.delay.unwrap_or(rate.recip()), load: options.load.unwrap_or(LOAD) })
+    let beside = policy.with_file_name("task.toml");
+    let task = if beside.is_file() { Some(read_task(&beside, &[])?.task) } else { None };
+    let task = task.as_ref();
+    let rate = options.rate.or(task.map(|task| task.rate)).unwrap_or(RATE);
+    let sensor = task.and_then(|task| task.sensor.as_ref());
+    let actuator = task.and_then(|task| task.actuator.as_ref());
+    Ok(Conditions {
+        rate,
+        delay: options.delay.or(sensor.map(|sensor| sensor.delay)).unwrap_or(rate.recip()),
+        load: options.load.unwrap_or(LOAD),
+        cutoff: options.cutoff,
+        lag: options.lag.or(actuator.map(|actuator| actuator.lag)).unwrap_or(0.0),
+        contact: Contact {
+            tool: options.tool_mass.unwrap_or(0.0),
+            mass: options.contact_mass.unwrap_or(0.0),
+            damping: options.contact_damping.unwrap_or(0.0),
+        },
+    })
+}
+
+/// The name of what limits a contact.
+fn named(case: Case) -> &'static str {
+    match case {
+        Case::FreeAir => "free_air",
+        Case::Carried => "carried",
+        Case::Behind => "behind",
+    }
 }
 
 fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certificate]) -> Value {
@@ -129,6 +154,8 @@ fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certifica
             "stable": stable, "stable_decay_per_s": certificate.decay,
             "largest_offset": certificate.largest_offset, "switched_energy_j": certificate.switched_energy,
             "least_damping": certificate.least_damping, "contact_stiffness_limit": certificate.contact_stiffness,
+            "contact_limited_by": named(certificate.contact_case), "contact_limited_at_s": certificate.contact_at,
+            "tool_mass_limit": certificate.tool_mass, "safe_tool_mass": certificate.safe_tool_mass,
             "peak_velocity": certificate.peak_velocity, "peak_acceleration": certificate.peak_acceleration,
             "rest_distance": certificate.rest_distance,
         })
@@ -136,6 +163,8 @@ fn certified(policy: &Policy, conditions: &Conditions, certificates: &[Certifica
     let axes: Vec<Value> = axes.collect();
     json!({
         "order": policy.admittance.order, "rate_hz": conditions.rate, "delay_s": conditions.delay, "load": conditions.load,
+        "lag_s": conditions.lag, "cutoff_hz": conditions.cutoff, "tool_mass": conditions.contact.tool,
+        "contact_mass": conditions.contact.mass, "contact_damping": conditions.contact.damping,
         "horizon_s": 2.0 * policy.duration_s, "axes": axes,
     })
 }

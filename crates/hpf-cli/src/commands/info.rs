@@ -40,7 +40,7 @@ fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
         };
         return answer(common, &contents.to_json(), || format!("{contents}{hint}"));
     }
-    super::check::check(&Check { file: path.to_owned(), set: Vec::new(), rate: None, delay: None, load: None }, common)
+    super::check::check(&Check { file: path.to_owned(), ..Check::default() }, common)
 }
 
 fn answer(common: &Common, object: &Value, text: impl FnOnce() -> String) -> Result<Outcome, Failure> {

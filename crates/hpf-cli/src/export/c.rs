@@ -1,4 +1,4 @@
-//! A C header (C99 and C++): constant arrays, no code.
+//! A C header (C89 and C++): constant arrays, and a macro that fills the policy of `hpf.h` with them.
 
 use core::fmt::Write as _;
 
@@ -78,7 +78,50 @@ pub fn header(policy: &Policy, precision: Precision) -> String {
         }
         text += "};\n";
     }
-    text + "\n#endif\n"
+    text + &filler(policy, precision, &prefix, &upper) + "\n#endif\n"
+}
+
+/// The macro that fills a policy of `hpf.h`: C that has not included it pays nothing for it.
+fn filler(policy: &Policy, precision: Precision, prefix: &str, upper: &str) -> String {
+    let bases = bases(policy, precision);
+    let numbers: usize = bases.iter().map(|basis| 2 * basis.count()).sum();
+    let scalar = precision.name();
+    let mut text = format!(
+        "\n/* Numbers of HPF_{}_BYTES for this skill, its lists used where they are. */\n\
+         #define {upper}_NUMBERS {numbers}\n\
+         /* Fills a hpf_{scalar}_policy_t of hpf.h, to be included before: {upper}_POLICY(policy); */\n\
+         #define {upper}_POLICY(policy) \\\n  do {{ \\\n    HPF_PREPARE(policy); \\\n",
+        scalar.to_uppercase()
+    );
+    let mut set = |field: &str, value: &str| {
+        let _ = writeln!(text, "    (policy).{field} = {value}; \\");
+    };
+    set("axes", &format!("{upper}_AXES"));
+    set("lists", "HPF_LISTS_BORROWED");
+    set("duration", &format!("{prefix}_duration"));
+    set("decay", &format!("{prefix}_decay"));
+    for basis in &bases {
+        let name = basis.name;
+        set(&format!("{name}_basis.count"), &format!("{upper}_{}_BASIS", name.to_uppercase()));
+        if basis.overlap.is_some() {
+            set(&format!("{name}_basis.family"), "HPF_BASIS_TIME");
+            set(&format!("{name}_basis.overlap"), &format!("{prefix}_{name}_overlap"));
+        } else {
+            set(&format!("{name}_basis.family"), "HPF_BASIS_STORED");
+            set(&format!("{name}_basis.centers"), &format!("{prefix}_{name}_centers"));
+            set(&format!("{name}_basis.widths"), &format!("{prefix}_{name}_widths"));
+        }
+    }
+    for axis in 0..policy.axes.len() {
+        for (name, ..) in PER_AXIS {
+            set(&format!("axis[{axis}].{name}"), &format!("{prefix}_{name}[{axis}]"));
+        }
+        set(&format!("axis[{axis}].mass"), &format!("{prefix}_mass[{axis}]"));
+        for (name, ..) in WEIGHTS {
+            set(&format!("axis[{axis}].{name}_weights"), &format!("{prefix}_{name}_weights[{axis}]"));
+        }
+    }
+    text + "  } while (0)\n"
 }
 
 /// A name as part of an identifier of C.

@@ -258,7 +258,7 @@ fn stability(study: &Study) -> Result<Claim, Failure> {
     let mut passive = [0, 0];
     for (count, variant) in passive.iter_mut().zip([Variant::ViaPoint, Variant::Cantilever]) {
         for trial in study.of(variant) {
-            let conditions = Conditions { rate: trial.run.task.rate, delay: 0.0, load: 10.0 };
+            let conditions = Conditions::new(trial.run.task.rate, 0.0, 10.0);
             let certificates =
                 trial.run.policy.certify(&conditions).map_err(|error| Failure::Work(error.to_string()))?;
             *count += usize::from(certificates.iter().all(|certificate| certificate.fails_at.is_none()));

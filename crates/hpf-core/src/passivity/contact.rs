@@ -34,7 +34,7 @@ use crate::conditioning::settled;
 use crate::{ConfigError, Real, error};
 
 /// Most steps that a reading may be old.
-const MOST_DELAY: f64 = 1000.0;
+pub const MOST_DELAY: f64 = 1000.0;
 
 /// Frequencies looked at below the evenly spaced ones, and how many decades they reach down.
 const SLOW: u32 = 256;
