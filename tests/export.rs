@@ -214,7 +214,8 @@ fn filler(upper: &str, scalar: &str) -> String {
              show(p.{name}_basis.centers[i]); show(p.{name}_basis.widths[i]); }}\n"
         );
     }
-    let mut axis: String = ["start", "goal", "alpha", "forcing_scale"].map(|of| shown(&format!("axis[a].{of}"))).concat();
+    let mut axis: String =
+        ["start", "goal", "alpha", "forcing_scale"].map(|of| shown(&format!("axis[a].{of}"))).concat();
     for of in ["stiffness_min", "stiffness_max", "damping_min", "damping_max", "mass"] {
         axis += &shown(&format!("axis[a].{of}"));
     }
@@ -293,7 +294,11 @@ fn the_skill_of_the_examples_in_c_is_an_export() {
         fs::write(&kept, &written).unwrap();
     }
     let found = fs::read_to_string(&kept).unwrap_or_default();
-    assert!(found == written, "{} is stale: UPDATE_HEADER=1 cargo test -p hpf-cli --test e2e -- export::", kept.display());
+    assert!(
+        found == written,
+        "{} is stale: UPDATE_HEADER=1 cargo test -p hpf-cli --test e2e -- export::",
+        kept.display()
+    );
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use core::fmt::Write as _;
 
+use hpf_core::passivity::Case;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
-use hpf_core::passivity::Case;
 use hpf_sim::task::{Environment, Task, Unit};
 use hpf_sim::{Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
@@ -275,7 +275,10 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
             "    energy    at most {energy} J from rising stiffness, offset within {offset} (any force to {} {force})",
             number(load)
         );
-        let _ = writeln!(text, "    tool      lighter than {tool} {held} behind the sensor; at any delay and lag, up to {safe} {held}");
+        let _ = writeln!(
+            text,
+            "    tool      lighter than {tool} {held} behind the sensor; at any delay and lag, up to {safe} {held}"
+        );
         let _ = writeln!(text, "    contact   {contact} (damping at least {least} {damping})");
         let _ = writeln!(text, "    reference at most {velocity} {unit}/s, {acceleration} {unit}/s^2");
         let rest = measure(certificate.rest_distance, unit);

@@ -29,6 +29,7 @@ mod reference;
 mod sense;
 mod settings;
 mod step;
+mod tool;
 
 pub use exchange::{AxisOutput, Counters, Input, Output, Request, Status};
 pub use mode::{Event, Mode};

@@ -25,10 +25,7 @@ mod certificate;
 mod contact;
 mod tank;
 
-pub use certificate::{
-    contact_stiffness_limit, first_order_fails_at, inertial_contact_stiffness_limit, inertial_decay, largest_offset,
-    switched_energy,
-};
+pub use certificate::{contact_stiffness_limit, first_order_fails_at, inertial_decay, largest_offset, switched_energy};
 pub use contact::{Case, Contact, ForceLoop, Load, MOST_DELAY, Sampling, safe_tool_mass};
 pub use tank::EnergyTank;
 

@@ -3,8 +3,11 @@
 
 use core::f64::consts::{PI, TAU};
 
+use hpf_core::conditioning::ForceConditioning;
+use hpf_core::controller::{Controller, Input, Request, Settings};
+use hpf_core::limits::Limits;
 use hpf_core::passivity::{Case as Limit, Contact, ForceLoop, Load, Sampling, contact_stiffness_limit};
-use hpf_core::{ConfigError, conditioning::ForceConditioning};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, Law, Movement, Phase};
 
 const DT: f64 = 1e-3;
 const STIFFNESS: f64 = 200.0;
@@ -243,4 +246,57 @@ fn loops_that_cannot_be_are_refused() {
     ];
     assert!(refused.iter().all(Result::is_err), "{refused:?}");
     assert_eq!(refused[0], Err(ConfigError::NotPositive { field: "damping", value: 0.0 }));
+}
+
+/// The real controller with a tool behind its sensor in free air: what it calls heavy swings, what it does not is still.
+#[test]
+fn the_controller_says_which_tool_may_swing() {
+    let swing = |law: Law<f64>, cutoff: Option<f64>, tool_mass: f64, delay: usize| {
+        let phase = Phase::new(1.0, 4.6).unwrap();
+        let basis = Basis::equally_spaced(phase.decay(), 0.6, [0.0; 5], [0.0; 5]).unwrap();
+        let axis = AxisPrimitives {
+            movement: Movement::new(0.0, 0.3, 25.0, 0.3, [0.0; 5]).unwrap(),
+            stiffness: Gain::new(STIFFNESS, STIFFNESS, [STIFFNESS; 5]).unwrap(),
+            damping: Gain::new(DAMPING, DAMPING, [DAMPING; 5]).unwrap(),
+            law,
+        };
+        let limits = Limits { force: 40.0, offset: 0.1, velocity: 0.5, acceleration: 1000.0, position: [-0.2, 0.6] };
+        let mut settings = Settings::compliant([limits]);
+        (settings.conditioning.tool_mass, settings.conditioning.cutoff) = (tool_mass, cutoff);
+        let skill = HybridPrimitive::new(phase, [basis; 3], [axis]).unwrap();
+        let mut arm = Controller::new(skill, settings, [0.0]).unwrap();
+        let (mut readings, mut velocity) = ([0.0; 8], 0.0);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for tick in 0..3000 {
+            let request = (tick == 0).then_some(Request::Start);
+            let measured_force = [readings[delay]];
+            let input = Input { measured_force, force_age: 0, measured_position: None, rate: 1.0, request };
+            let [axis] = arm.update(&input, DT).axes;
+            readings.rotate_right(1);
+            readings[0] = -tool_mass * (axis.velocity - velocity) / DT;
+            velocity = axis.velocity;
+            if tick >= 2500 {
+                (low, high) = (low.min(axis.position), high.max(axis.position));
+            }
+        }
+        (arm.heavy_tool(DT)[0], high - low)
+    };
+    let second = |mass| Law::SecondOrder { mass, damping: Damping::Primitive };
+    for delay in 0..=5 {
+        let still = [
+            (Law::FirstOrder, None, 0.024),
+            (Law::FirstOrder, Some(10.0), 0.5),
+            (second(0.5), None, 0.49),
+            (second(1.0), Some(30.0), 0.9),
+        ];
+        for (law, cutoff, tool) in still {
+            let (heavy, swing) = swing(law, cutoff, tool, delay);
+            assert!(!heavy && swing < 1e-4, "{law:?} {cutoff:?} {tool} kg {delay}: {heavy} {swing}");
+        }
+        let swinging = [(Law::FirstOrder, None, 0.5), (Law::FirstOrder, Some(100.0), 0.5), (second(0.1), None, 0.5)];
+        for (law, cutoff, tool) in swinging {
+            let (heavy, swing) = swing(law, cutoff, tool, delay);
+            assert!(heavy && swing > 1e-4, "{law:?} {cutoff:?} {tool} kg {delay}: {heavy} {swing}");
+        }
+    }
 }

@@ -5,7 +5,8 @@
 
 use hpf_core::admittance::{Inertial, OffsetMotion};
 use hpf_core::passivity::{
-    Case, Contact, ForceLoop, MOST_DELAY, Sampling, first_order_fails_at, inertial_decay, largest_offset, switched_energy,
+    Case, Contact, ForceLoop, MOST_DELAY, Sampling, first_order_fails_at, inertial_decay, largest_offset,
+    switched_energy,
 };
 use hpf_core::{ConfigError, HybridPrimitive};
 
@@ -214,10 +215,7 @@ fn certify(
     let (decay, offset) = match mass {
         Some(mass) => {
             let law = Inertial::new(mass, axis.stiffness.max(), axis.damping.max(), h)?;
-            (
-                inertial_decay(gains.iter().copied(), mass, h),
-                largest_inertial_offset(&gains, &law, conditions.load, h),
-            )
+            (inertial_decay(gains.iter().copied(), mass, h), largest_inertial_offset(&gains, &law, conditions.load, h))
         }
         None => (None, largest_offset(gains.iter().copied(), conditions.load, h)),
     };

@@ -1,6 +1,6 @@
 //! Certificates: what a schedule of gains can do at worst, before it runs.
 
-use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use core::f64::consts::FRAC_PI_4;
 
 use crate::admittance::step_offset;
 
@@ -109,7 +109,7 @@ pub fn largest_offset(gains: impl IntoIterator<Item = (f64, f64)>, force: f64, d
 /// `K_e < (2 d/h) sin(pi h/(4 (delay + h/2)))`: exact for whole steps of delay and k = 0, where `e+ = e - (K_e h/d) e_{-n}`
 /// first has a root on the unit circle; cautious for k > 0 and between steps. For delays of many steps it is
 /// `(pi/2) d/(delay + h/2)`, the limit of the continuous law; at one step that is 5 % too much, without delay 57 %.
-/// Robot dynamics, filters and lags of actuators add to the delay.
+/// [`ForceLoop`](super::ForceLoop) has tool, filter, lag and the masses of law and contact.
 ///
 /// ```
 /// use hpf_core::passivity::contact_stiffness_limit;
@@ -118,34 +118,4 @@ pub fn largest_offset(gains: impl IntoIterator<Item = (f64, f64)>, force: f64, d
 /// ```
 pub fn contact_stiffness_limit(damping: f64, delay: f64, dt: f64) -> f64 {
     2.0 * damping / dt * libm::sin(FRAC_PI_4 * dt / (delay + 0.5 * dt))
-}
-
-/// [`contact_stiffness_limit`] of the law `m e'' + d e' + k e = f` with `mass` m [kg].
-///
-/// With T = delay + h/2 the continuous law has roots `+-i w` where `w T + atan(m w/d) = pi/2` and
-/// `K_e = w sqrt(d^2 + m^2 w^2)`; sampling takes the same share off as without mass. Taken for k = 0; a spring adds next to
-/// nothing to or takes it from a contact this much stiffer than itself.
-///
-/// ```
-/// use hpf_core::passivity::{contact_stiffness_limit, inertial_contact_stiffness_limit};
-/// let light = inertial_contact_stiffness_limit(1e-9, 50.0, 0.001, 0.001);
-/// assert!((light / contact_stiffness_limit(50.0, 0.001, 0.001) - 1.0).abs() < 1e-5); // no mass
-/// let heavy = inertial_contact_stiffness_limit(200.0, 50.0, 0.001, 0.001);
-/// assert!(heavy < 50.0 / 0.0015 && heavy > 0.9 * 50.0 / 0.0015); // what is late undoes damping: d - K_e T
-/// ```
-pub fn inertial_contact_stiffness_limit(mass: f64, damping: f64, delay: f64, dt: f64) -> f64 {
-    let late = delay + 0.5 * dt;
-    let (mut low, mut high) = (0.0, FRAC_PI_2 / late);
-    // Halving leaves nothing between the ends.
-    for _ in 0..2 * f64::MANTISSA_DIGITS {
-        let middle = 0.5 * (low + high);
-        if middle * late + libm::atan(mass * middle / damping) < FRAC_PI_2 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    let continuous = low * libm::hypot(damping, mass * low);
-    let sampled = contact_stiffness_limit(damping, delay, dt) / (FRAC_PI_2 * damping / late);
-    continuous * sampled.min(1.0)
 }
