@@ -1,6 +1,6 @@
 //! The tool that hangs on the sensor, in the loop through it.
 
-use super::{Compliance, Controller};
+use super::{Compliance, Controller, Law};
 use crate::Real;
 use crate::passivity::safe_tool_mass;
 
@@ -16,15 +16,17 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let settled = conditioning.settled(dt);
         let mut heavy = [false; D];
         for ((heavy, settings), primitives) in heavy.iter_mut().zip(&self.settings.axes).zip(self.skill.axes()) {
-            let law = &primitives.law;
-            let mass = law.mass();
-            let second = (mass > T::ZERO).then_some(mass);
+            let law = match settings.law {
+                Law::FirstOrder => None,
+                Law::SecondOrder { mass, damping } => Some((mass, damping)),
+            };
             // Between the ends of stiffness the safe mass lies between those at the ends.
             let [stiffness, least] = [&primitives.stiffness, &primitives.damping];
             *heavy = settings.compliance != Compliance::Rigid
                 && [stiffness.min(), stiffness.max()].into_iter().any(|stiffness| {
-                    let damping = law.damping(stiffness, least.min());
-                    conditioning.tool_mass > safe_tool_mass(second, stiffness, damping, settled, dt)
+                    let damping = law.map_or(least.min(), |(mass, damping)| damping.at(mass, stiffness, least.min()));
+                    let mass = law.map(|(mass, _)| mass);
+                    conditioning.tool_mass > safe_tool_mass(mass, stiffness, damping, settled, dt)
                 });
         }
         heavy
