@@ -123,8 +123,8 @@ fn three_reaches_make_a_stiffness_that_is_low_where_they_differ() {
     assert_eq!(axis(&summary, 0)["stiffness_from"], "spread");
     assert_eq!(summary["directory"], "runs/reach_softly");
     let stiffness = Columns::read(folder.path().join("runs/reach_softly/trajectory.csv")).column("x_stiffness_n_m");
-    // The movement of 2 s at 100 Hz, without its rest time.
-    let last = 200;
+    let time = Columns::read(folder.path().join("runs/reach_softly/trajectory.csv")).column("time_s");
+    let last = time.partition_point(|time| *time < 2.0 - 1e-9);
     assert!(stiffness[0] > 350.0 && stiffness[last] > 350.0, "they agree at both ends");
     assert!(stiffness[last / 2] < 60.0, "they differ between: {}", stiffness[last / 2]);
     assert_eq!(json(folder.path().join("runs/reach_softly/policy.json"))["duration_s"], 2.0, "the mean duration");
@@ -150,7 +150,7 @@ fn stiffness_and_damping_come_from_what_was_recorded() {
     let summary = imitate(folder.path(), "push", &["--stiffness-from", "force", "--path", "reference"]);
     assert_eq!(axis(&summary, 0)["damping_from"], "force");
     let columns = Columns::read(folder.path().join("runs/push/trajectory.csv"));
-    for (i, stiffness) in columns.column("x_stiffness_n_m").iter().enumerate() {
+    for (i, stiffness) in columns.column("x_stiffness_n_m").iter().enumerate().take(401) {
         let t: f64 = i as f64 / 400.0;
         let made = 80.0 + 220.0 * t * t * t * (10.0 - t * (15.0 - 6.0 * t));
         // Windows of 0.4 s over a rise of 220 N/m, and a tenth of a newton of noise; measured 12 N/m.
@@ -225,12 +225,15 @@ fn a_run_is_imitated_into_its_task() {
     let [first, again] =
         ["runs/reach", "again"].map(|run| Columns::read(folder.path().join(run).join("trajectory.csv")));
     for column in ["x_stiffness_n_m", "x_damping_n_s_m"] {
-        let difference = crate::support::largest_difference(&first.column(column), &again.column(column), 1);
+        // Of the movement: after it a mixture goes beyond the samples that it was fitted to.
+        let [first, again] = [&first, &again].map(|columns| columns.column(column)[..=100].to_vec());
+        let difference = crate::support::largest_difference(&first, &again, 1);
         // Mixtures of the same functions, but for the penalty.
         assert!(difference < 1e-3, "{column}: {difference}");
     }
     let summary = json(folder.path().join("again/summary.json"));
-    assert!(axis(&summary, 0)["rmse_m"].as_f64().unwrap() < 1e-4, "{summary}");
+    // Its reference leads a force and so ends in motion, which the fading of the forcing term holds back: measured 0.12 mm.
+    assert!(axis(&summary, 0)["rmse_m"].as_f64().unwrap() < 2e-4, "{summary}");
     assert_eq!(json(folder.path().join("again/policy.json"))["axes"][0]["goal"], 0.3, "the task's own");
     let (_, stderr) = expect(2, folder.path(), &["imitate", "runs/reach", "--task", &reach, "--basis", "5"]);
     assert!(stderr.contains("--basis") && stderr.contains("--task"), "{stderr}");
