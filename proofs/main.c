@@ -57,7 +57,7 @@ static void list(f64 first, f64 step) {
 
 /* Packs a skill on a little-endian machine, reads it whole, then with each byte damaged. */
 static bool try_unpack(void) {
-    const uint8_t head[16] = {'H', 'P', 'F', 'S', 1, 0, 8, D, N, 0, N, 0, N, 0, 0, 0};
+    const uint8_t head[16] = {'H', 'P', 'F', 'S', 2, 0, 8, D, N, 0, N, 0, N, 0, 0, 0};
     put(head, sizeof head);
     number(1), number(4.6);
     for (int basis = 0; basis < 3; basis++) list(1, -0.04), list(50, 1);
@@ -65,6 +65,7 @@ static bool try_unpack(void) {
         number(0), number(1), number(25), number(1), list(0, 1);
         number(30), number(400), list(100, 5);
         number(10), number(100), list(50, 1);
+        number(axis ? 2 : 0), number(axis ? 1 : 0), number(axis ? 10 : 0);
     }
     uint32_t sum = UINT32_MAX;
     for (size_t i = 0; i < length; i++) {

@@ -15,7 +15,9 @@ fn changed(folder: &Path, from: &str, to: &str) -> &'static str {
 #[test]
 fn shipped_tasks_are_valid() {
     let folder = folder();
-    for name in ["via_point", "via_point_stochastic", "cantilever", "cantilever_moving_load", "reach"] {
+    for name in
+        ["via_point", "via_point_stochastic", "cantilever", "cantilever_moving_load", "cantilever_robot", "reach"]
+    {
         let (stdout, _) = expect(0, folder.path(), &["check", &task(&format!("{name}.toml"))]);
         assert!(stdout.starts_with(&format!("{name}: a valid task")), "{stdout}");
     }

@@ -60,13 +60,15 @@ fn numbers(policy: &Policy) -> Vec<f64> {
     ];
     let mut numbers = vec![policy.duration_s, policy.phase.decay];
     bases.iter().for_each(|(centers, widths)| numbers.extend(centers.iter().chain(*widths)));
-    for axis in &policy.axes {
+    let mass = |i: usize| policy.admittance.mass.as_ref().map_or(0.0, |mass| mass[i]);
+    for (i, axis) in policy.axes.iter().enumerate() {
         numbers.extend([axis.start, axis.goal, axis.movement.alpha, axis.movement.forcing_scale]);
         numbers.extend(&axis.movement.weights);
         for gain in [&axis.stiffness, &axis.damping] {
             numbers.extend([gain.min, gain.max]);
             numbers.extend(&gain.weights);
         }
+        numbers.extend([mass(i), 0.0, 0.0]);
     }
     numbers
 }
@@ -160,6 +162,7 @@ fn printer(prefix: &str, digits: &str) -> String {
         }
         axis += &list(&format!("{name}_weights[a]"), &name.to_uppercase());
     }
+    axis += &(one("mass") + "show(0.0);\nshow(0.0);\n");
     format!(
         "#include <stdio.h>\n#include \"policy.h\"\n#include \"policy.h\"\n\
          static void show(double x) {{ printf(\"{digits}\\n\", x); }}\n\
@@ -171,7 +174,8 @@ fn printer(prefix: &str, digits: &str) -> String {
 
 #[test]
 fn the_c_header_compiles_without_warnings_and_has_the_same_numbers() {
-    let policy = policy();
+    let mut policy = policy();
+    policy.admittance = hpf_sim::AdmittancePolicy { order: 2, mass: Some(vec![1.5, 0.1]) };
     for (scalar, digits) in [("f64", "%.17g"), ("f32", "%.9g")] {
         let folder = folder();
         write(folder.path(), &policy);
@@ -361,6 +365,12 @@ fn a_packed_skill_of_the_time_family_steps_to_the_same_bits_and_is_refused_when_
 fn exports_name_the_law_and_carry_masses_and_overlaps() {
     let folder = folder();
     write(folder.path(), &policy_in_time());
+    // The mass tells: under the law of first order the same gains move otherwise.
+    let skill = policy_in_time().to_hybrid::<2>().unwrap();
+    assert_ne!(motion(&skill), motion(&skill.clone().with_laws([hpf_core::Law::FirstOrder; 2]).unwrap()));
+    expect(0, folder.path(), &["export", "policy.json", "--format", "binary"]);
+    let (info, _) = expect(0, folder.path(), &["info", "policy.bin"]);
+    assert!(info.contains("law       second order, mass 1.5") && info.contains("second order, mass 0.1"), "{info}");
     let text = |format: &str| expect(0, folder.path(), &["export", "policy.json", "--format", format, "--out", "-"]).0;
     let (rust, c) = (text("rust"), text("c"));
     assert!(rust.contains("pub static MASS: [Scalar; AXES] = [") && rust.contains("MOVEMENT_OVERLAP: Scalar = 0.6;"));

@@ -99,3 +99,69 @@ fn a_force_table_travels_with_the_run() {
     assert!((force[25] - 1.5).abs() < 1e-12 && (force[50] - 3.0).abs() < 1e-12);
     expect(0, folder.path(), &["run", "run"]);
 }
+
+/// The report of `hpf run RUN --controller` with more arguments, which must end with `code`.
+fn controlled(folder: &std::path::Path, run: &str, more: &[&str], code: i32) -> serde_json::Value {
+    let (stdout, _) = expect(code, folder, &[&["run", run, "--controller", "--json"][..], more].concat());
+    serde_json::from_str(&stdout).unwrap()
+}
+
+#[test]
+fn the_controller_does_what_was_simulated_and_says_what_it_did() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    let sampled = ["--rate", "1000", "--set", "sensor={}"];
+    let (stdout, _) =
+        expect(0, folder.path(), &[&["run", "runs/reach", "--json", "--out", "plain"][..], &sampled].concat());
+    let plain: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let run = controlled(folder.path(), "runs/reach", &[&["--out", "robot"][..], &sampled].concat(), 0);
+    assert_eq!((run["method"].as_str(), run["controller"]["ended"].as_u64()), (Some("controller"), Some(1)));
+    assert_eq!(run["controller"]["modes"][0]["mode"], "run");
+    assert!(run["controller"]["limited_steps"].as_object().unwrap().values().all(|steps| steps == 0));
+    for name in ["max_goal_error", "peak_offset"] {
+        assert!((metric(&run, name) - metric(&plain, name)).abs() < 1e-9, "{name}");
+    }
+    let [robot, plain] = ["robot", "plain"].map(|run| Columns::read(folder.path().join(run).join("trajectory.csv")));
+    assert!(largest_difference(&robot.column("x_position_m"), &plain.column("x_position_m"), 1) < 1e-9);
+    let table = read(folder.path().join("robot/controller.csv"));
+    assert!(table.starts_with("time_s,mode,rate,energy_j,events,x_limits\n"), "{table}");
+    // The last row that says so is that of the end of the movement: the step that ends at 1 s.
+    let ended = table.lines().find(|line| line.contains("ended")).unwrap();
+    assert!(ended.starts_with("1.0,run,1.0,"), "{ended}");
+}
+
+#[test]
+fn settings_of_the_controller_are_kept_and_their_mistakes_shown() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    let settings = "[limits]\nvelocity = 0.2\n[[request]]\nkind = \"hold\"\ntime = 0.3\n";
+    std::fs::write(folder.path().join("settings.toml"), settings).unwrap();
+    let more = ["--settings", "settings.toml", "--rate", "1000", "--out", "robot"];
+    let run = controlled(folder.path(), "runs/reach", &more, 3);
+    assert_eq!(run["controller"]["modes"][1], serde_json::json!({ "time_s": 0.3, "mode": "hold" }));
+    assert_eq!((run["controller"]["ended"].as_u64(), run["controller"]["faults"].as_u64()), (Some(0), Some(0)));
+    assert_eq!(read(folder.path().join("robot/settings.toml")), settings);
+    let speed = Columns::read(folder.path().join("robot/trajectory.csv")).column("x_velocity_m_s");
+    assert!(speed.iter().all(|speed| speed.abs() <= 0.2 + 1e-9));
+    std::fs::write(folder.path().join("settings.toml"), settings.replace("velocity", "velocty")).unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["run", "runs/reach", "--controller", "--settings", "settings.toml"]);
+    assert!(stderr.contains("settings.toml:2") && stderr.contains("did you mean `velocity`"), "{stderr}");
+    let (_, stderr) = expect(2, folder.path(), &["run", "runs/reach", "--settings", "settings.toml"]);
+    assert!(stderr.contains("--controller"), "{stderr}");
+}
+
+#[test]
+fn a_robot_can_do_the_cantilever_that_starts_away_from_the_clamp() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("cantilever_robot.toml"), "--quiet"]);
+    let run = controlled(folder.path(), "runs/cantilever_robot", &[], 0);
+    assert_eq!(run["controller"]["ended"], 1);
+    assert!(run["metrics"].as_array().unwrap().iter().all(|metric| metric["pass"] != false), "{run}");
+    // At the clamp it cannot: the least rate is that of d/h = K_e/2.
+    let (stdout, _) = expect(0, folder.path(), &["check", &task("cantilever.toml")]);
+    assert!(stdout.contains("holds it from 50000 Hz on"), "{stdout}");
+    let (stdout, _) = expect(0, folder.path(), &["check", &task("cantilever_robot.toml")]);
+    let rate: f64 =
+        stdout.split("holds it from ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!(rate < 1000.0, "{rate} Hz");
+}

@@ -5,7 +5,7 @@
 use hpf_core::controller::{AxisOutput, Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 
 /// Functions of each basis.
 pub const N: usize = 20;
@@ -93,6 +93,7 @@ fn controller<T: Real + PartialOrd, S: AsRef<[T]> + Copy>(
             movement: Movement::new(T::ZERO, goal, T::of(25.0), goal, movement)?,
             stiffness: Gain::new(T::of(30.0), T::of(400.0), stiffness)?,
             damping: Gain::new(T::of(10.0), T::of(100.0), damping)?,
+            law: Law::FirstOrder,
         })
     };
     let [gx, gy] = GOAL;

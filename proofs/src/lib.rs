@@ -12,11 +12,13 @@ extern crate alloc;
 use core::mem::MaybeUninit;
 
 use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{AxisSettings, Compliance, Controller, Damping, Input, Law, Request, Settings, Timing};
+use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Request, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::packed::{Packed, PackedError};
 use hpf_core::passivity::EnergyTank;
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, HybridState, Movement, Phase, Real};
+use hpf_core::{
+    AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, HybridState, Law, Movement, Phase, Real,
+};
 
 unsafe extern "C" {
     /// Defined nowhere.
@@ -41,11 +43,10 @@ struct Run<T> {
     controller: Controller<T, [T; N], D>,
 }
 
-/// Settings that reach every branch: both laws, every compliance, tank, filter and dead zone.
+/// Settings that reach every branch: every compliance, tank, filter and dead zone.
 fn settings<T: Real>() -> Result<Settings<T, D>, ConfigError> {
-    let axis = |compliance, law| AxisSettings {
+    let axis = |compliance| AxisSettings {
         compliance,
-        law,
         limits: Limits {
             force: T::of(50.0),
             offset: T::of(0.3),
@@ -56,12 +57,8 @@ fn settings<T: Real>() -> Result<Settings<T, D>, ConfigError> {
         trip_force: T::of(80.0),
         tracking: T::of(0.1),
     };
-    let damping = Damping::Ratio { ratio: T::ONE, floor: T::of(10.0) };
     Ok(Settings {
-        axes: [
-            axis(Compliance::Compliant, Law::FirstOrder),
-            axis(Compliance::Press(T::ZERO), Law::SecondOrder { mass: T::of(2.0), damping }),
-        ],
+        axes: [axis(Compliance::Compliant), axis(Compliance::Press(T::ZERO))],
         conditioning: ForceConditioning {
             tool_mass: T::ZERO,
             gravity: [T::ZERO; D],
@@ -86,15 +83,18 @@ impl<T: Real + PartialOrd> Run<T> {
         decay: T,
     ) -> Result<Self, ConfigError> {
         let basis = Basis::equally_spaced(decay, T::of(0.6), [T::ZERO; N], [T::ZERO; N])?;
-        let axis = |goal: T, movement: &[T; N], stiffness: &[T; N], damping: &[T; N]| {
+        let axis = |goal: T, movement: &[T; N], stiffness: &[T; N], damping: &[T; N], law: Law<T>| {
             Ok::<_, ConfigError>(AxisPrimitives {
                 movement: Movement::new(T::ZERO, goal, T::of(25.0), goal, *movement)?,
                 stiffness: Gain::new(T::of(30.0), T::of(400.0), *stiffness)?,
                 damping: Gain::new(T::of(10.0), T::of(100.0), *damping)?,
+                law,
             })
         };
         let ([gx, gy], [mx, my], [kx, ky], [dx, dy]) = (goal, movement, stiffness, damping);
-        let axes = [axis(*gx, mx, kx, dx)?, axis(*gy, my, ky, dy)?];
+        let ratio = Damping::Ratio { ratio: T::ONE, floor: T::of(10.0) };
+        let second = Law::SecondOrder { mass: T::of(2.0), damping: ratio };
+        let axes = [axis(*gx, mx, kx, dx, Law::FirstOrder)?, axis(*gy, my, ky, dy, second)?];
         let skill = HybridPrimitive::new(Phase::new(duration, decay)?, [basis; 3], axes)?;
         let mut controller = Controller::new(skill, settings()?, [T::ZERO; D])?;
         controller.set(settings()?)?;

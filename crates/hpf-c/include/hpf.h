@@ -61,7 +61,7 @@
 #define HPF_WRONG_BASES 7
 
 /*
- A family, compliance, law, damping, request or storage is none of its constants.
+ A family, compliance, request or storage is none of its constants.
  */
 #define HPF_UNKNOWN_CHOICE 8
 
@@ -108,7 +108,7 @@
 /*
  Version of this interface; every struct carries it.
  */
-#define HPF_ABI_VERSION 1
+#define HPF_ABI_VERSION 2
 
 /*
  Most axes of a controller.
@@ -159,26 +159,6 @@
  Compliance of an axis: gives way, and presses on the environment with `press`.
  */
 #define HPF_PRESS 2
-
-/*
- Law of an axis: d e' + k e = f.
- */
-#define HPF_FIRST_ORDER 0
-
-/*
- Law of an axis: m e'' + d e' + k e = f.
- */
-#define HPF_SECOND_ORDER 1
-
-/*
- Damping of a second-order axis: the damping primitive.
- */
-#define HPF_DAMPING_PRIMITIVE 0
-
-/*
- Damping of a second-order axis: max(2 damping_ratio sqrt(m k), damping_floor).
- */
-#define HPF_DAMPING_RATIO 1
 
 /*
  Request: none.
@@ -412,7 +392,7 @@ typedef struct hpf_f64_basis_t {
 } hpf_f64_basis_t;
 
 /*
- The primitives of one axis; lists have one weight per function of their basis, oldest phase first.
+ The primitives of one axis and its law; lists have one weight per function of their basis, oldest phase first.
  */
 typedef struct hpf_f64_axis_policy_t {
   /*
@@ -459,6 +439,18 @@ typedef struct hpf_f64_axis_policy_t {
    Weights of the damping [N s/m].
    */
   const double *damping_weights;
+  /*
+   Virtual mass m of the second-order law m e'' + d e' + k e = f [kg]; 0: first order, d e' + k e = f.
+   */
+  double mass;
+  /*
+   Second order only: d = max(2 damping_ratio sqrt(m k), damping_floor), 1 is critical; 0: d is the damping above.
+   */
+  double damping_ratio;
+  /*
+   Least damping [N s/m] where there is a damping ratio, else 0.
+   */
+  double damping_floor;
 } hpf_f64_axis_policy_t;
 
 /*
@@ -546,14 +538,6 @@ typedef struct hpf_f64_axis_settings_t {
    */
   uint32_t compliance;
   /*
-   HPF_FIRST_ORDER or HPF_SECOND_ORDER.
-   */
-  uint32_t law;
-  /*
-   HPF_DAMPING_...; second order only.
-   */
-  uint32_t damping;
-  /*
    Set to 0.
    */
   uint32_t reserved;
@@ -561,18 +545,6 @@ typedef struct hpf_f64_axis_settings_t {
    Force on the environment [N]; HPF_PRESS only.
    */
   double press;
-  /*
-   Virtual mass [kg]; second order only.
-   */
-  double mass;
-  /*
-   Damping ratio, 1 is critical; HPF_DAMPING_RATIO only.
-   */
-  double damping_ratio;
-  /*
-   Least damping [N s/m]; HPF_DAMPING_RATIO only.
-   */
-  double damping_floor;
   /*
    What a command never exceeds.
    */
@@ -640,7 +612,7 @@ typedef struct hpf_f64_settings_t {
    */
   double longest_step;
   /*
-   Time for the rate to go from 0 to 1 or back [s]. At most 10 s.
+   Time for the rate to go from 0 to 1 or back under way [s]; a start takes none. At most 10 s.
    */
   double ramp;
   /*
@@ -890,7 +862,7 @@ typedef struct hpf_f32_basis_t {
 } hpf_f32_basis_t;
 
 /*
- The primitives of one axis; lists have one weight per function of their basis, oldest phase first.
+ The primitives of one axis and its law; lists have one weight per function of their basis, oldest phase first.
  */
 typedef struct hpf_f32_axis_policy_t {
   /*
@@ -937,6 +909,18 @@ typedef struct hpf_f32_axis_policy_t {
    Weights of the damping [N s/m].
    */
   const float *damping_weights;
+  /*
+   Virtual mass m of the second-order law m e'' + d e' + k e = f [kg]; 0: first order, d e' + k e = f.
+   */
+  float mass;
+  /*
+   Second order only: d = max(2 damping_ratio sqrt(m k), damping_floor), 1 is critical; 0: d is the damping above.
+   */
+  float damping_ratio;
+  /*
+   Least damping [N s/m] where there is a damping ratio, else 0.
+   */
+  float damping_floor;
 } hpf_f32_axis_policy_t;
 
 /*
@@ -1024,14 +1008,6 @@ typedef struct hpf_f32_axis_settings_t {
    */
   uint32_t compliance;
   /*
-   HPF_FIRST_ORDER or HPF_SECOND_ORDER.
-   */
-  uint32_t law;
-  /*
-   HPF_DAMPING_...; second order only.
-   */
-  uint32_t damping;
-  /*
    Set to 0.
    */
   uint32_t reserved;
@@ -1039,18 +1015,6 @@ typedef struct hpf_f32_axis_settings_t {
    Force on the environment [N]; HPF_PRESS only.
    */
   float press;
-  /*
-   Virtual mass [kg]; second order only.
-   */
-  float mass;
-  /*
-   Damping ratio, 1 is critical; HPF_DAMPING_RATIO only.
-   */
-  float damping_ratio;
-  /*
-   Least damping [N s/m]; HPF_DAMPING_RATIO only.
-   */
-  float damping_floor;
   /*
    What a command never exceeds.
    */
@@ -1118,7 +1082,7 @@ typedef struct hpf_f32_settings_t {
    */
   float longest_step;
   /*
-   Time for the rate to go from 0 to 1 or back [s]. At most 10 s.
+   Time for the rate to go from 0 to 1 or back under way [s]; a start takes none. At most 10 s.
    */
   float ramp;
   /*
@@ -1313,7 +1277,7 @@ const struct hpf_f64_instance_t *hpf_f64_instance(uint32_t axes);
 int32_t hpf_f64_size(const struct hpf_f64_instance_t *instance, const struct hpf_f64_policy_t *policy, size_t *bytes);
 
 /*
- Writes settings to start from: every axis gives way by the first-order law, no filter, no tank; trips at twice the
+ Writes settings to start from: every axis gives way by the law of its policy, no filter, no tank; trips at twice the
  force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms a
  bad input is bridged; a force more than 4 steps old is bad. `limits`: one per axis.
  */
@@ -1413,7 +1377,7 @@ const struct hpf_f32_instance_t *hpf_f32_instance(uint32_t axes);
 int32_t hpf_f32_size(const struct hpf_f32_instance_t *instance, const struct hpf_f32_policy_t *policy, size_t *bytes);
 
 /*
- Writes settings to start from: every axis gives way by the first-order law, no filter, no tank; trips at twice the
+ Writes settings to start from: every axis gives way by the law of its policy, no filter, no tank; trips at twice the
  force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms a
  bad input is bridged; a force more than 4 steps old is bad. `limits`: one per axis.
  */

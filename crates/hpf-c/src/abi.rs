@@ -5,7 +5,7 @@ use core::ffi::c_char;
 use hpf_core::Real;
 
 /// Version of this interface; every struct carries it.
-pub const HPF_ABI_VERSION: u32 = 1;
+pub const HPF_ABI_VERSION: u32 = 2;
 /// Most axes of a controller.
 pub const HPF_AXES_MAX: usize = 7;
 /// Most functions of a basis.
@@ -29,16 +29,6 @@ pub const HPF_COMPLIANT: u32 = 0;
 pub const HPF_RIGID: u32 = 1;
 /// Compliance of an axis: gives way, and presses on the environment with `press`.
 pub const HPF_PRESS: u32 = 2;
-
-/// Law of an axis: d e' + k e = f.
-pub const HPF_FIRST_ORDER: u32 = 0;
-/// Law of an axis: m e'' + d e' + k e = f.
-pub const HPF_SECOND_ORDER: u32 = 1;
-
-/// Damping of a second-order axis: the damping primitive.
-pub const HPF_DAMPING_PRIMITIVE: u32 = 0;
-/// Damping of a second-order axis: max(2 damping_ratio sqrt(m k), damping_floor).
-pub const HPF_DAMPING_RATIO: u32 = 1;
 
 /// Request: none.
 pub const HPF_NO_REQUEST: u32 = 0;
@@ -124,7 +114,7 @@ pub struct BasisPolicy<T> {
     pub widths: *const T,
 }
 
-/// The primitives of one axis; lists have one weight per function of their basis, oldest phase first.
+/// The primitives of one axis and its law; lists have one weight per function of their basis, oldest phase first.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct AxisPolicy<T> {
@@ -150,6 +140,12 @@ pub struct AxisPolicy<T> {
     pub damping_max: T,
     /// Weights of the damping [N s/m].
     pub damping_weights: *const T,
+    /// Virtual mass m of the second-order law m e'' + d e' + k e = f [kg]; 0: first order, d e' + k e = f.
+    pub mass: T,
+    /// Second order only: d = max(2 damping_ratio sqrt(m k), damping_floor), 1 is critical; 0: d is the damping above.
+    pub damping_ratio: T,
+    /// Least damping [N s/m] where there is a damping ratio, else 0.
+    pub damping_floor: T,
 }
 
 /// A skill: the numbers of a policy file.
@@ -202,20 +198,10 @@ pub struct Limits<T> {
 pub struct AxisSettings<T> {
     /// HPF_COMPLIANT, HPF_RIGID or HPF_PRESS.
     pub compliance: u32,
-    /// HPF_FIRST_ORDER or HPF_SECOND_ORDER.
-    pub law: u32,
-    /// HPF_DAMPING_...; second order only.
-    pub damping: u32,
     /// Set to 0.
     pub reserved: u32,
     /// Force on the environment [N]; HPF_PRESS only.
     pub press: T,
-    /// Virtual mass [kg]; second order only.
-    pub mass: T,
-    /// Damping ratio, 1 is critical; HPF_DAMPING_RATIO only.
-    pub damping_ratio: T,
-    /// Least damping [N s/m]; HPF_DAMPING_RATIO only.
-    pub damping_floor: T,
     /// What a command never exceeds.
     pub limits: Limits<T>,
     /// Compensated force above which the controller stops [N].
@@ -252,7 +238,7 @@ pub struct Settings<T> {
     pub tank_power: T,
     /// Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
     pub longest_step: T,
-    /// Time for the rate to go from 0 to 1 or back [s]. At most 10 s.
+    /// Time for the rate to go from 0 to 1 or back under way [s]; a start takes none. At most 10 s.
     pub ramp: T,
     /// How long a bad force, measured position or rate may be bridged [s]. At most 1 s.
     pub hold: T,

@@ -1,7 +1,7 @@
 //! Between what crosses the border and what the controller takes and gives.
 
 use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{self as control, Compliance, Damping, Law, Mode, Request, Timing};
+use hpf_core::controller::{self as control, Compliance, Mode, Request, Timing};
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{Real, limits};
 
@@ -36,18 +36,8 @@ impl<T: Real + PartialOrd> AxisSettings<T> {
             HPF_PRESS => Compliance::Press(self.press),
             _ => return Err(HPF_UNKNOWN_CHOICE.into()),
         };
-        let damping = match self.damping {
-            HPF_DAMPING_PRIMITIVE => Damping::Primitive,
-            HPF_DAMPING_RATIO => Damping::Ratio { ratio: self.damping_ratio, floor: self.damping_floor },
-            _ => return Err(HPF_UNKNOWN_CHOICE.into()),
-        };
-        let law = match self.law {
-            HPF_FIRST_ORDER => Law::FirstOrder,
-            HPF_SECOND_ORDER => Law::SecondOrder { mass: self.mass, damping },
-            _ => return Err(HPF_UNKNOWN_CHOICE.into()),
-        };
         let (trip_force, tracking) = (self.trip_force, self.tracking);
-        Ok(control::AxisSettings { compliance, law, limits: self.limits.read(), trip_force, tracking })
+        Ok(control::AxisSettings { compliance, limits: self.limits.read(), trip_force, tracking })
     }
 }
 
@@ -79,13 +69,8 @@ impl<T: Real + PartialOrd> Settings<T> {
             let control::Settings { axes: [from], timing, .. } = control::Settings::compliant([limits.read()]);
             *axis = AxisSettings {
                 compliance: HPF_COMPLIANT,
-                law: HPF_FIRST_ORDER,
-                damping: HPF_DAMPING_PRIMITIVE,
                 reserved: 0,
                 press: T::ZERO,
-                mass: T::ZERO,
-                damping_ratio: T::ZERO,
-                damping_floor: T::ZERO,
                 limits,
                 trip_force: from.trip_force,
                 tracking: from.tracking,

@@ -74,7 +74,7 @@ pub unsafe extern "C" fn hpf_f32_size(
     unsafe { instance::size(instance, policy, bytes) }
 }
 
-/// Writes settings to start from: every axis gives way by the first-order law, no filter, no tank; trips at twice the
+/// Writes settings to start from: every axis gives way by the law of its policy, no filter, no tank; trips at twice the
 /// force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of 0.2 s, and for 20 ms a
 /// bad input is bridged; a force more than 4 steps old is bad. `limits`: one per axis.
 #[unsafe(no_mangle)]

@@ -22,7 +22,7 @@ pub const HPF_TOO_SMALL: i32 = 5;
 pub const HPF_WRONG_AXES: i32 = 6;
 /// A basis has fewer than 2 functions or more than HPF_BASES_MAX.
 pub const HPF_WRONG_BASES: i32 = 7;
-/// A family, compliance, law, damping, request or storage is none of its constants.
+/// A family, compliance, request or storage is none of its constants.
 pub const HPF_UNKNOWN_CHOICE: i32 = 8;
 /// There is no controller here: never made, made with another scalar, or moved.
 pub const HPF_NO_CONTROLLER: i32 = 9;

@@ -7,7 +7,7 @@
 
 use core::slice;
 
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 
 use crate::abi::{
     BasisPolicy, HPF_BASES_MAX, HPF_BASIS_PHASE, HPF_BASIS_STORED, HPF_BASIS_TIME, HPF_LISTS_BORROWED,
@@ -141,6 +141,7 @@ impl<T: Real + PartialOrd> Room<T> {
                 movement: Movement::new(axis.start, axis.goal, axis.alpha, axis.forcing_scale, movement)?,
                 stiffness: Gain::new(axis.stiffness_min, axis.stiffness_max, stiffness)?,
                 damping: Gain::new(axis.damping_min, axis.damping_max, damping)?,
+                law: Law::of(axis.mass, axis.damping_ratio, axis.damping_floor)?,
             });
         }
         let Some(axes) = all(axes) else { return Err(crate::status::HPF_WRONG_AXES.into()) };

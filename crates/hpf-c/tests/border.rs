@@ -9,9 +9,9 @@ use hpf_c::f32::hpf_f32_axes_2;
 use hpf_c::f64::*;
 use hpf_c::instance::*;
 use hpf_c::status::*;
-use hpf_core::controller::{Controller, Damping, Law, Request};
+use hpf_core::controller::{Controller, Request};
 use hpf_core::passivity::EnergyTank;
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, limits};
+use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase, limits};
 
 const DECAY: f64 = 4.6;
 const N: usize = 20;
@@ -83,8 +83,13 @@ impl Caller {
                 damping_min: 10.0,
                 damping_max: 100.0,
                 damping_weights: damping.as_ptr(),
+                mass: 0.0,
+                damping_ratio: 0.0,
+                damping_floor: 0.0,
             };
         }
+        let [first, ..] = &mut policy.axis;
+        (first.mass, first.damping_ratio, first.damping_floor) = (2.0, 1.0, 10.0);
         let limit = Limits {
             force: 50.0,
             offset: 0.2,
@@ -97,9 +102,6 @@ impl Caller {
         let status = unsafe { hpf_f64_compliant(&mut caller.settings, axes, [limit; HPF_AXES_MAX].as_ptr()) };
         assert_eq!(status, HPF_OK);
         let settings = &mut caller.settings;
-        (settings.axis[0].law, settings.axis[0].mass) = (HPF_SECOND_ORDER, 2.0);
-        (settings.axis[0].damping, settings.axis[0].damping_ratio) = (HPF_DAMPING_RATIO, 1.0);
-        settings.axis[0].damping_floor = 10.0;
         settings.cutoff = 100.0;
         (settings.tank_capacity, settings.tank_refill, settings.tank_power) = (2.0, 0.9, 1e3);
         caller
@@ -150,18 +152,19 @@ fn controller<const D: usize>(time: bool) -> Controller<f64, [f64; N], D> {
         true => Basis::equally_spaced_in_time(DECAY, 0.6, noughts, noughts),
         false => Basis::equally_spaced(DECAY, 0.6, noughts, noughts),
     };
+    let ratio = Damping::Ratio { ratio: 1.0, floor: 10.0 };
     let axes = core::array::from_fn(|axis| {
         let [movement, stiffness, damping] = weights(axis);
         AxisPrimitives {
             movement: Movement::new(0.0, 0.3, 25.0, 0.3, movement).unwrap(),
             stiffness: Gain::new(30.0, 400.0, stiffness).unwrap(),
             damping: Gain::new(10.0, 100.0, damping).unwrap(),
+            law: if axis == 0 { Law::SecondOrder { mass: 2.0, damping: ratio } } else { Law::FirstOrder },
         }
     });
     let skill = HybridPrimitive::new(Phase::new(2.0, DECAY).unwrap(), [basis.unwrap(); 3], axes).unwrap();
     let limit = limits::Limits { force: 50.0, offset: 0.2, velocity: 0.5, acceleration: 10.0, position: [-0.5, 0.6] };
     let mut settings = hpf_core::controller::Settings::compliant([limit; D]);
-    settings.axes[0].law = Law::SecondOrder { mass: 2.0, damping: Damping::Ratio { ratio: 1.0, floor: 10.0 } };
     settings.conditioning.cutoff = Some(100.0);
     settings.tank = Some(EnergyTank::new(2.0, 0.0, 0.9, 1e3).unwrap());
     Controller::new(skill, settings, [0.01; D]).unwrap()
@@ -274,17 +277,17 @@ fn c_moves_as_rust_does_bit_for_bit() {
 #[test]
 fn a_skill_that_cannot_be_is_refused_with_a_reason() {
     type Spoil = fn(&mut Caller);
-    let cases: [(Spoil, i32, &str); 18] = [
+    let cases: [(Spoil, i32, &str); 21] = [
         (|c| c.policy.struct_size -= 8, HPF_WRONG_SIZE, "struct_size is not that of the library"),
         (|c| c.settings.struct_size += 8, HPF_WRONG_SIZE, "struct_size is not that of the library"),
-        (|c| c.policy.abi_version = 2, HPF_WRONG_VERSION, "abi_version is not that of the library"),
+        (|c| c.policy.abi_version = 1, HPF_WRONG_VERSION, "abi_version is not that of the library"),
         (|c| c.settings.abi_version = 0, HPF_WRONG_VERSION, "abi_version is not that of the library"),
         (|c| c.policy.axes = 0, HPF_WRONG_AXES, "the number of axes is not that of the instance"),
         (|c| c.policy.axes = 8, HPF_WRONG_AXES, "the number of axes is not that of the instance"),
         (|c| c.policy.damping_basis.count = 65, HPF_WRONG_BASES, "a basis has too few or too many functions"),
         (|c| c.policy.movement_basis.count = 1, HPF_WRONG_BASES, "a basis has too few or too many functions"),
         (|c| c.policy.movement_basis.family = 3, HPF_UNKNOWN_CHOICE, "a choice is none of its constants"),
-        (|c| c.settings.axis[1].law = 2, HPF_UNKNOWN_CHOICE, "a choice is none of its constants"),
+        (|c| c.settings.axis[1].compliance = 3, HPF_UNKNOWN_CHOICE, "a choice is none of its constants"),
         (|c| c.policy.axis[1].damping_weights = null(), HPF_NULL_POINTER, "a pointer is null"),
         (
             |c| c.policy.axis[0].movement_weights = c.policy.axis[0].movement_weights.wrapping_byte_add(1),
@@ -294,7 +297,10 @@ fn a_skill_that_cannot_be_is_refused_with_a_reason() {
         (|c| c.policy.duration = f64::NAN, HPF_NOT_FINITE, "duration is not a finite number"),
         (|c| c.lists[1][1][3] = f64::NAN, HPF_NOT_FINITE, "weights is not a finite number"),
         (|c| c.settings.hold = -1.0, HPF_OUT_OF_RANGE, "timing.hold lies outside its bounds"),
-        (|c| c.settings.axis[0].mass = 0.0, HPF_NOT_POSITIVE, "mass must be positive"),
+        (|c| c.policy.axis[0].mass = -1.0, HPF_NOT_POSITIVE, "mass must be positive"),
+        (|c| c.policy.axis[0].damping_floor = 0.0, HPF_NOT_POSITIVE, "damping.floor must be positive"),
+        (|c| c.policy.axis[0].damping_ratio = 0.0, HPF_OUT_OF_RANGE, "damping.floor lies outside its bounds"),
+        (|c| c.policy.axis[1].damping_ratio = 1.0, HPF_OUT_OF_RANGE, "damping.ratio lies outside its bounds"),
         (
             |c| c.settings.axis[1].limits.position_min = 0.7,
             HPF_MIN_ABOVE_MAX,

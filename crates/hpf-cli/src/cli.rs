@@ -119,7 +119,8 @@ A run that was killed or stopped by Ctrl-C goes on with --resume RUN: hpf learn 
 Examples:
   hpf run runs/cantilever
   hpf run runs/cantilever --rate 1000 --set contact.force=12  # misses its targets: exit code 3
-  hpf run policy.json --task tasks/cantilever.toml --out runs/again")]
+  hpf run policy.json --task tasks/cantilever.toml --out runs/again
+  hpf run runs/elsewhere --controller --rate 1000             # as a robot runs it")]
     Run(Simulate),
     /// Make a policy of demonstrations (CSV), kept as a run
     #[command(after_help = crate::commands::imitate::HELP)]
@@ -238,9 +239,15 @@ pub struct Simulate {
     /// Control rate [Hz] [default: the task's]
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// Override a key of the environment: disturbance, contact, via_point, cost, accept, rate
+    /// Override a key of the environment: disturbance, contact, sensor, actuator, via_point, cost, accept, rate
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,
+    /// Run the controller that a robot runs, in the environment of the task
+    #[arg(long)]
+    pub controller: bool,
+    /// Settings of the controller (TOML): limits, trips, tank, requests and so on [default: no limits, no tank]
+    #[arg(long, value_name = "FILE", requires = "controller")]
+    pub settings: Option<PathBuf>,
 }
 
 /// `hpf plot`

@@ -160,15 +160,23 @@ fn bases_of<T: Real>(policy: &Policy) -> [ExportedBasis; 3] {
     ]
 }
 
-/// The admittance law in a sentence; it is no part of a skill, but of the settings of the controller.
+/// The law in a sentence.
 fn law(policy: &Policy) -> String {
     match &policy.admittance.mass {
         None => "Admittance: first order, d e' + k e = f.".into(),
         Some(_) => {
-            "Admittance: second order, m e'' + d e' + k e = f, masses m as below: a setting of the controller.".into()
+            "Admittance: second order, m e'' + d e' + k e = f, masses m as below, damping d its primitive.".into()
         }
     }
 }
+
+/// Virtual mass of each axis; 0 of a first-order one.
+fn masses(policy: &Policy) -> Vec<f64> {
+    policy.admittance.mass.clone().unwrap_or_else(|| vec![0.0; policy.axes.len()])
+}
+
+/// What [`masses`] are.
+const MASS: &str = "Virtual mass of the admittance of second order [kg or kg m^2], 0: first order";
 
 /// One number per axis: its name, what it is with its unit, and where it stands.
 type PerAxis = (&'static str, &'static str, fn(&AxisPolicy) -> f64);

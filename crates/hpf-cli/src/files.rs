@@ -85,7 +85,8 @@ fn read_bytes_limited(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
+/// The text of a file of at most `limit` bytes.
+pub fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
     let bytes = read_bytes_limited(path, limit)?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];

@@ -7,6 +7,7 @@ mod checkpoint;
 mod cli;
 mod commands;
 mod comparison;
+mod conduct;
 mod directory;
 mod export;
 mod failure;

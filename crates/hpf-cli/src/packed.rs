@@ -14,6 +14,8 @@ struct Axis {
     goal: f64,
     /// Stiffness and damping.
     gains: [Range; 2],
+    /// Virtual mass, damping ratio and least damping; all zero of a first-order axis.
+    law: [f64; 3],
 }
 
 /// Weights of a gain and their bounds.
@@ -42,14 +44,29 @@ impl Range {
 fn axes_of(skill: &Packed<'_>) -> Vec<Axis> {
     let numbers: Vec<f64> = skill.values().collect();
     let [movement, stiffness, damping] = skill.head().functions.map(usize::from);
-    let length = 4 + movement + 2 + stiffness + 2 + damping;
+    // A skill of version 1 says no law.
+    let law = if skill.head().version == 1 { 0 } else { 3 };
+    let length = 4 + movement + 2 + stiffness + 2 + damping + law;
     let axes = &numbers[numbers.len() - usize::from(skill.head().axes) * length..];
     let axis = |(i, axis): (usize, &[f64])| {
         let unit = if skill.head().rotary >> i & 1 == 1 { "rad" } else { "m" };
-        let (stiffness, damping) = axis[4 + movement..].split_at(2 + stiffness);
-        Axis { unit, start: axis[0], goal: axis[1], gains: [stiffness, damping].map(Range::of) }
+        let (stiffness, rest) = axis[4 + movement..].split_at(2 + stiffness);
+        let (damping, law) = rest.split_at(2 + damping);
+        let gains = [stiffness, damping].map(Range::of);
+        Axis { unit, start: axis[0], goal: axis[1], gains, law: law.try_into().unwrap_or([0.0; 3]) }
     };
     axes.chunks_exact(length).enumerate().map(axis).collect()
+}
+
+/// The law of three numbers, in words.
+fn law_text([mass, ratio, floor]: [f64; 3]) -> String {
+    match (mass, ratio) {
+        (0.0, _) => "first order".into(),
+        (_, 0.0) => format!("second order, mass {}", number(mass)),
+        _ => {
+            format!("second order, mass {}, damping ratio {}, at least {}", number(mass), number(ratio), number(floor))
+        }
+    }
 }
 
 /// What a packed skill is.
@@ -73,6 +90,7 @@ pub fn text(skill: &Packed<'_>) -> String {
             let [least, most, min, max] = [least, most, min, max].map(number);
             let _ = writeln!(text, "    {name:<9} {least} .. {most}, bounds {min} .. {max}");
         }
+        let _ = writeln!(text, "    law       {}", law_text(axis.law));
     }
     text
 }
@@ -83,6 +101,7 @@ pub fn to_json(skill: &Packed<'_>) -> Value {
         let [stiffness, damping] = axis.gains.map(|gain| gain.to_json());
         json!({
             "unit": axis.unit, "start": axis.start, "goal": axis.goal, "stiffness": stiffness, "damping": damping,
+            "mass": axis.law[0], "damping_ratio": axis.law[1], "damping_floor": axis.law[2],
         })
     });
     let head = skill.head();

@@ -130,10 +130,26 @@ pub fn simulated(task: &Task, summary: &Summary, folder: Option<&str>, files: &[
 
 /// The result for programs: the summary, and where its files are.
 pub fn json(summary: &Summary, folder: Option<&str>, files: &[String]) -> String {
-    let mut object = summary.to_json();
+    finished(summary.to_json(), folder, files)
+}
+
+/// An object for programs, and where its files are.
+pub fn finished(mut object: Value, folder: Option<&str>, files: &[String]) -> String {
     object["directory"] = folder.into();
     object["files"] = files.into();
     format!("{object:#}\n")
+}
+
+/// From what rate on a loop that measures its force can hold the contact of `task`.
+pub fn least_rate(task: &Task) -> String {
+    match task.least_rate() {
+        Some(rate) => format!(
+            "one that measures the contact's force holds it from {} Hz on, at the least damping",
+            // What rounding has added makes no other ten.
+            number((rate * (1.0 - 1e-6) / 10.0).ceil() * 10.0)
+        ),
+        None => "none that measures the contact's force holds it at the least damping, at any rate".into(),
+    }
 }
 
 /// What a task comes to.
@@ -157,6 +173,7 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
     }
     if let Some(contact) = &task.contact {
         let _ = writeln!(text, "  contact     {} on {}", contact.kind(), contact.axis());
+        let _ = writeln!(text, "  loop        {}", least_rate(task));
     }
     for via in &task.via_point {
         let when = match (via.time, via.radius.unwrap_or(0.0)) {

@@ -1,6 +1,6 @@
 //! A compliant skill of one axis: it grows stiffer along the way, and is pushed with 10 N from 0.5 s to 1.5 s.
 
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Law, Movement, Phase};
 
 fn main() -> Result<(), ConfigError> {
     let phase = Phase::new(2.0_f64, 100.0_f64.ln())?;
@@ -9,6 +9,7 @@ fn main() -> Result<(), ConfigError> {
         movement: Movement::new(0.0, 0.3, 25.0, 0.3, [0.0; 5])?,
         stiffness: Gain::new(30.0, 400.0, [50.0, 100.0, 200.0, 300.0, 400.0])?,
         damping: Gain::new(10.0, 100.0, [20.0; 5])?,
+        law: Law::FirstOrder,
     };
     let skill = HybridPrimitive::new(phase, [basis; 3], [axis])?;
 

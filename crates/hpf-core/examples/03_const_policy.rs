@@ -1,6 +1,6 @@
 //! A learned policy as it sits in the flash of a microcontroller: constant arrays, single precision, no heap.
 
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Law, Movement, Phase};
 
 const N: usize = 4;
 const DECAY: f32 = 4.605_17;
@@ -16,6 +16,7 @@ fn policy() -> Result<HybridPrimitive<f32, [f32; N], 2>, ConfigError> {
             movement: Movement::new(0.0, GOAL[i], 25.0, GOAL[i], MOVEMENT[i])?,
             stiffness: Gain::new(30.0, 400.0, STIFFNESS[i])?,
             damping: Gain::new(10.0, 100.0, DAMPING[i])?,
+            law: Law::FirstOrder,
         })
     };
     HybridPrimitive::new(Phase::new(1.5, DECAY)?, [basis; 3], [axis(0)?, axis(1)?])

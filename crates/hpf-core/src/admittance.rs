@@ -1,7 +1,7 @@
 //! Admittance: how a tool gives way to force.
 //!
 //! Equation: `d e' + k e = f` (the paper's Eq. 1-2), `e = x_e - x_r`; with inertia, `m e'' + d e' + k e = f`, see
-//! [`Inertial`].
+//! [`Inertial`]; which of the two an axis has is its [`Law`].
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
@@ -20,8 +20,10 @@
 //! Explicit Euler needs `h < 2 d/k` and blows up in contact; it is not here.
 
 mod inertial;
+mod law;
 
 pub use inertial::{Inertial, OffsetMotion};
+pub use law::{Damping, Law};
 
 use crate::Real;
 use crate::domain::flushed;

@@ -4,7 +4,7 @@
 //! 1. the request, by the one table of [`Mode`];
 //! 2. force, measured position, rate and dt, bad ones by the one table of [`faults`]; conditioning; trip levels, each axis
 //!    by itself;
-//! 3. the rate of time along the path, by a ramp;
+//! 3. the rate of time along the path: at its start the one asked for, under way by a ramp;
 //! 4. the skill at the middle of the step, every basis once; stiffness as the energy tank allows it;
 //! 5. the reference, exact, and of that step the share `c <= 1` that every velocity limit and the tank can pay for: slower
 //!    in time, never off the path;
@@ -33,7 +33,7 @@ mod tool;
 
 pub use exchange::{AxisOutput, Counters, Input, Output, Request, Status};
 pub use mode::{Event, Mode};
-pub use settings::{AxisSettings, Compliance, Damping, Law, Settings, Timing};
+pub use settings::{AxisSettings, Compliance, Settings, Timing};
 
 use exchange::count;
 use faults::Debts;
@@ -43,7 +43,6 @@ use crate::admittance::{Inertial, OffsetMotion};
 use crate::conditioning::{ForceState, TareWindow};
 use crate::limits::Hits;
 use crate::movement::Increment;
-use crate::passivity::kinetic_energy;
 use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 
 /// A skill, its settings and its state; `S` holds each list: `[T; N]`, or `&'static [T; N]` for lists in flash.
@@ -57,6 +56,7 @@ use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 ///     movement: Movement::new(0.0, 0.3, 25.0, 0.3, [0.0; 5])?,
 ///     stiffness: Gain::new(30.0, 400.0, [100.0; 5])?,
 ///     damping: Gain::new(10.0, 100.0, [50.0; 5])?,
+///     law: Law::FirstOrder,
 /// };
 /// let skill = HybridPrimitive::new(Phase::new(2.0, 100.0_f64.ln())?, [basis; 3], [axis])?;
 /// let limits = Limits { force: 50.0, offset: 0.2, velocity: 0.5, acceleration: 10.0, position: [-0.1, 0.6] };
@@ -122,7 +122,7 @@ struct Pace<T> {
 struct AxisState<T> {
     reference: Reference<T>,
     offset: OffsetMotion<T>,
-    /// The second-order law, if the axis has one.
+    /// The second-order step, if the law is of that order.
     law: Option<Inertial<T>>,
     /// The reference's step at the last [`Pace`].
     step: Increment<T>,
@@ -206,9 +206,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Replaces all settings between two steps. The command goes on from where it is, at the velocity it has.
     ///
     /// # Errors
-    /// [`ConfigError`] for settings that make no sense, that the present command, offset or goal would break, or whose
-    /// mass takes more energy at the present velocity of the offset than the tank can spend; they are refused whole, the
-    /// old ones stay, and the refusal is counted.
+    /// [`ConfigError`] for settings that make no sense, or that the present command, offset or goal would break; they
+    /// are refused whole, the old ones stay, and the refusal is counted.
     pub fn set(&mut self, settings: Settings<T, D>) -> Result<(), ConfigError> {
         let accepted = settings.laws(self.skill.axes()).and_then(|laws| {
             for ((axis, state), command) in settings.axes.iter().zip(&self.axes).zip(&self.last.axes) {
@@ -217,26 +216,16 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 error::within("offset", state.offset.offset, -largest, largest)?;
             }
             self.check_goals(&settings)?;
-            // Mass that a moving offset is given costs energy, as stiffness does at an offset.
-            let mut cost = T::ZERO;
-            for (state, new) in self.axes.iter().zip(&laws) {
-                let [old, new] = [&state.law, new].map(|law| law.as_ref().map_or(T::ZERO, Inertial::mass));
-                cost += kinetic_energy(new - old, state.offset.velocity);
-            }
-            let Some(tank) = settings.tank else { return Ok((laws, T::ZERO)) };
-            let mut energy = self.last.energy.at_most(tank.capacity());
-            if cost > T::ZERO {
-                error::within("energy of the new mass", cost, 0.0, tank.available(energy).to_f64())?;
-            }
-            tank.book(&mut energy, -cost);
-            Ok((laws, energy))
+            Ok(laws)
         });
         match accepted {
-            Ok((laws, energy)) => {
+            Ok(laws) => {
                 for (state, law) in self.axes.iter_mut().zip(laws) {
                     state.law = law;
                 }
-                self.last.energy = energy;
+                // What a smaller tank cannot hold is gone.
+                let energy = self.last.energy;
+                self.last.energy = settings.tank.map_or(T::ZERO, |tank| energy.at_most(tank.capacity()));
                 self.settings = settings;
                 self.pace.dt = T::ZERO;
                 self.tare = TareWindow::default();

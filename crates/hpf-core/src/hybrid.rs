@@ -4,19 +4,19 @@
 //! 1. phase to mid-step: `s_m = s exp(-alpha_s r h/(2 tau))`; the bases are evaluated there, once for all axes
 //!    and once for the primitives that share one;
 //! 2. movement: the step of [`Transition`](crate::Transition) with F(s_m), second order;
-//! 3. admittance: [`step_offset`] with k(s_m), d(s_m), second order in the parameters; the measured force is held,
+//! 3. admittance by the axis' [`Law`], with k(s_m), d(s_m), second order in the parameters; the measured force is held,
 //!    which is sampling, not integration;
 //! 4. phase to the end of the step.
 //!
 //! Phase and reference are sums of changes whose rounding is carried on: single precision serves skills of hours.
 
-use crate::admittance::step_offset;
+use crate::admittance::{Inertial, OffsetMotion, step_offset};
 use crate::compensated::{accumulate, accumulate_phase};
 use crate::domain::LARGEST;
 use crate::movement::Increment;
-use crate::{Basis, ConfigError, Gain, Movement, MovementState, Phase, Real, error};
+use crate::{Basis, ConfigError, Gain, Law, Movement, MovementState, Phase, Real, error};
 
-/// The three primitives of one axis; `S` holds each primitive's weights.
+/// The three primitives of one axis and its law; `S` holds each primitive's weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisPrimitives<T, S> {
     /// Where to go.
@@ -25,6 +25,8 @@ pub struct AxisPrimitives<T, S> {
     pub stiffness: Gain<T, S>,
     /// How much to damp it [N s/m].
     pub damping: Gain<T, S>,
+    /// By which law it gives way to force.
+    pub law: Law<T>,
 }
 
 /// The parameters of one skill of `D` axes; `S` holds each list: `[T; N]` in firmware, `Vec<T>` on a host.
@@ -36,6 +38,7 @@ pub struct AxisPrimitives<T, S> {
 ///     movement: Movement::new(0.0, 1.0, 25.0, 1.0, [0.0; 5])?,
 ///     stiffness: Gain::new(30.0, 400.0, [100.0; 5])?,
 ///     damping: Gain::new(10.0, 100.0, [50.0; 5])?,
+///     law: Law::FirstOrder,
 /// };
 /// let skill = HybridPrimitive::new(Phase::new(1.0, 100.0_f64.ln())?, [basis; 3], [axis])?;
 /// let mut state = skill.initial_state();
@@ -75,7 +78,7 @@ pub struct Profile<T> {
     pub forcing: T,
     /// Stiffness [N/m].
     pub stiffness: T,
-    /// Damping [N s/m].
+    /// Damping as the primitive has it [N s/m].
     pub damping: T,
 }
 
@@ -89,6 +92,8 @@ pub struct AxisState<T> {
     pub remainder: MovementState<T>,
     /// Offset e: commanded minus reference position [axis unit].
     pub offset: T,
+    /// Its velocity [axis unit/s]; of a first-order axis zero, for it has no inertia.
+    pub offset_velocity: T,
 }
 
 /// State of a skill: plain data, copy it to take a snapshot.
@@ -111,7 +116,7 @@ pub struct AxisCommand<T> {
     pub velocity: T,
     /// Stiffness at mid-step [N/m].
     pub stiffness: T,
-    /// Damping at mid-step [N s/m].
+    /// Damping at mid-step, by the law [N s/m].
     pub damping: T,
 }
 
@@ -119,7 +124,9 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// A skill from its phase, the bases of movement, stiffness and damping, and its axes.
     ///
     /// # Errors
-    /// [`ConfigError`] where an axis has not one weight per function of the basis.
+    /// [`ConfigError`] where an axis has not one weight per function of the basis, and for a law of second order that
+    /// [`Law::inertial`] refuses for the largest gains and the longest step, 1e9 s: a mass below 4.4e-7 s d or
+    /// 2e-13 s^2 k.
     pub fn new(
         phase: Phase<T>,
         [movement_basis, stiffness_basis, damping_basis]: [Basis<T, S>; 3],
@@ -135,7 +142,9 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             (true, false) => Sharing::Gains,
             (false, _) => Sharing::Nothing,
         };
-        Ok(Self { phase, movement_basis, stiffness_basis, damping_basis, sharing, axes })
+        let skill = Self { phase, movement_basis, stiffness_basis, damping_basis, sharing, axes };
+        skill.check_laws()?;
+        Ok(skill)
     }
 
     /// The phase all axes share.
@@ -143,7 +152,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         &self.phase
     }
 
-    /// The primitives of each axis.
+    /// The primitives and the law of each axis.
     pub fn axes(&self) -> &[AxisPrimitives<T, S>; D] {
         &self.axes
     }
@@ -184,6 +193,27 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         profiles
     }
 
+    /// The same skill under other laws, one for each axis: what was learned with the mass of a simulated tool, say, with
+    /// that of a robot.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_laws(self, laws: [Law<T>; D]) -> Result<Self, ConfigError> {
+        let mut skill = self;
+        for (axis, law) in skill.axes.iter_mut().zip(laws) {
+            axis.law = law;
+        }
+        skill.check_laws()?;
+        Ok(skill)
+    }
+
+    fn check_laws(&self) -> Result<(), ConfigError> {
+        let longest = T::of(LARGEST);
+        self.axes
+            .iter()
+            .try_for_each(|axis| axis.law.inertial(axis.stiffness.max(), axis.damping.max(), longest).map(drop))
+    }
+
     /// At rest at the start, without offset.
     pub fn initial_state(&self) -> HybridState<T, D> {
         let axes = self.axes.each_ref();
@@ -194,6 +224,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
                 reference: axis.movement.initial_state(),
                 remainder: MovementState { position: T::ZERO, scaled_velocity: T::ZERO },
                 offset: T::ZERO,
+                offset_velocity: T::ZERO,
             }),
         }
     }
@@ -201,7 +232,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// Advances by `dt` [s] under the measured force of the environment on the tool [N], time running at `rate`.
     ///
     /// Total: `rate` is limited to [0, 1]; a `dt` that is negative or not finite counts as no time; a force that is
-    /// not finite leaves the offset of its axis where it is; beyond 1e9, `dt` and force count as 1e9.
+    /// not finite leaves the offset of its axis where it is, at rest; beyond 1e9, `dt` and force count as 1e9.
     pub fn step(&self, state: &mut HybridState<T, D>, measured_force: [T; D], rate: T, dt: T) -> [AxisCommand<T>; D] {
         let rate = rate.max(T::ZERO).min(T::ONE);
         let largest = T::of(LARGEST);
@@ -218,6 +249,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];
         let slots = commands.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(measured_force).zip(profiles);
         for ((((command, state), axis), force), Profile { forcing, stiffness, damping }) in slots {
+            let damping = axis.law.damping(stiffness, damping);
             let step = Increment::new(axis.movement.alpha(), rate * dt / duration);
             let MovementState { position, scaled_velocity } = &mut state.reference;
             let distance = (*position - axis.movement.goal()) + state.remainder.position;
@@ -225,10 +257,19 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             accumulate(position, &mut state.remainder.position, change.position);
             accumulate(scaled_velocity, &mut state.remainder.scaled_velocity, change.scaled_velocity);
             let mut give = T::ZERO;
-            if force.is_finite() {
+            if !force.is_finite() {
+                state.offset_velocity = T::ZERO;
+            } else {
                 let force = force.max(-largest).min(largest);
-                state.offset = step_offset(state.offset, stiffness, damping, force, dt);
-                give = (force - stiffness * state.offset) / damping;
+                if let Law::SecondOrder { mass, .. } = axis.law {
+                    let mut motion = OffsetMotion { offset: state.offset, velocity: state.offset_velocity };
+                    Inertial::at(mass, stiffness, damping, dt).step(&mut motion, stiffness, damping, force, dt);
+                    (state.offset, state.offset_velocity) = (motion.offset, motion.velocity);
+                    give = motion.velocity;
+                } else {
+                    state.offset = step_offset(state.offset, stiffness, damping, force, dt);
+                    give = (force - stiffness * state.offset) / damping;
+                }
             }
             *command = AxisCommand {
                 position: state.reference.position + state.offset,

@@ -1,8 +1,8 @@
 //! The mathematics of a compliant skill, for loops that must never fail.
 //!
 //! A skill is three primitives driven by one phase: a [`Movement`] primitive (where to go), a stiffness and a
-//! damping primitive (two [`Gain`]s: how softly to hold it). A first-order [`admittance`] turns contact force into
-//! give. [`HybridPrimitive`] is the whole skill; the simulator rolls out the same kernels.
+//! damping primitive (two [`Gain`]s: how softly to hold it). The [`Law`] of an axis, an [`admittance`] of first or
+//! second order, turns contact force into give. [`HybridPrimitive`] is the whole skill; the simulator rolls out the same kernels.
 //!
 //! No standard library, no allocation, no clock, no randomness. Constructors return [`ConfigError`]; stepping cannot
 //! fail. Parameters never change in a step; state is plain `Copy` data. SI units: a linear axis is in m and N, a
@@ -30,6 +30,7 @@ pub mod passivity;
 pub mod phase;
 mod real;
 
+pub use admittance::{Damping, Law};
 pub use basis::Basis;
 pub use error::ConfigError;
 pub use gain::Gain;

@@ -6,7 +6,7 @@
 //! | at | bytes | what | unit |
 //! |---|---|---|---|
 //! | 0 | 4 | magic, `HPFS` | |
-//! | 4 | 2 | version, 1 | |
+//! | 4 | 2 | version, 2; or 1, which says no law: first order | |
 //! | 6 | 1 | w: 4 (f32) or 8 (f64); plus 16, 32, 64 where the basis of movement, stiffness, damping is of the time family | |
 //! | 7 | 1 | axes D, 1 to 16 | |
 //! | 8 | 3 x 2 | n_m, n_k, n_d | |
@@ -17,6 +17,7 @@
 //! | | 4 w, n_m w | start, goal, alpha, forcing scale; weights of the movement | m, m, 1, m; 1 |
 //! | | 2 w, n_k w | least and largest stiffness; weights | N/m |
 //! | | 2 w, n_d w | least and largest damping; weights | N s/m |
+//! | | 3 w | virtual mass, 0 of a first-order axis; damping ratio, 0 where damping is its primitive; least damping by that ratio | kg, 1, N s/m |
 //! | end - 4 | 4 | CRC-32 (IEEE 802.3: reflected 0xEDB88320) of all bytes before | |
 //!
 //! The head decides the length, so a cut or lengthened file is refused before its checksum is taken; a CRC-32 finds every
@@ -28,12 +29,14 @@
 
 use core::{array, fmt, iter, mem};
 
-use crate::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase, Real};
+use crate::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 
 /// The first bytes of a packed skill.
 pub const MAGIC: [u8; 4] = *b"HPFS";
-/// The version written, and the only one read.
-pub const VERSION: u16 = 1;
+/// The newest version; those from 1 on are read.
+pub const VERSION: u16 = 2;
+/// The version without laws: every axis is of first order.
+const WITHOUT_LAWS: u16 = 1;
 /// Most axes of a packed skill.
 pub const MAX_AXES: u8 = 16;
 
@@ -41,6 +44,8 @@ pub const MAX_AXES: u8 = 16;
 const HEAD: usize = 16;
 /// Bits of the byte of the width that mark a basis of the time family: movement, stiffness, damping.
 const IN_TIME: [u8; 3] = [16, 32, 64];
+/// Numbers of a law.
+const LAW_NUMBERS: usize = 3;
 /// Length of the checksum [bytes].
 const CHECKSUM: usize = 4;
 /// IEEE 802.3, reflected.
@@ -68,6 +73,8 @@ impl Scalar {
 /// The head of a packed skill: what is in it, and how long it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Head {
+    /// Version, 1 to [`VERSION`].
+    pub version: u16,
     /// How numbers are held.
     pub scalar: Scalar,
     /// Number of axes, 1 to [`MAX_AXES`].
@@ -143,7 +150,7 @@ impl fmt::Display for PackedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::NotASkill => write!(f, "this is not a packed skill"),
-            Self::Version { found } => write!(f, "version {found}, version {VERSION} is read"),
+            Self::Version { found } => write!(f, "version {found}, versions 1 to {VERSION} are read"),
             Self::Width { found } => write!(f, "numbers are {found} bytes wide, 4 or 8 are read"),
             Self::Axes { found, expected } => write!(f, "{found} axes, not {expected}"),
             Self::Length { found, expected } => write!(f, "{found} bytes, not {expected}"),
@@ -177,7 +184,8 @@ impl Head {
 
     /// Numbers in all.
     pub fn numbers(&self) -> usize {
-        self.storage().saturating_add(2 + 8 * usize::from(self.axes))
+        let law = if self.version == WITHOUT_LAWS { 0 } else { LAW_NUMBERS };
+        self.storage().saturating_add(2 + (8 + law) * usize::from(self.axes))
     }
 
     /// Length of the packed skill [bytes].
@@ -190,9 +198,9 @@ impl Head {
         if [m0, m1, m2, m3] != MAGIC {
             return Err(PackedError::NotASkill);
         }
-        let found = u16::from_le_bytes([v0, v1]);
-        if found != VERSION {
-            return Err(PackedError::Version { found });
+        let version = u16::from_le_bytes([v0, v1]);
+        if !(WITHOUT_LAWS..=VERSION).contains(&version) {
+            return Err(PackedError::Version { found: version });
         }
         let in_time = IN_TIME.map(|bit| width & bit != 0);
         let scalar = match width & !IN_TIME.iter().fold(0, |all, bit| all | bit) {
@@ -201,10 +209,13 @@ impl Head {
             _ => return Err(PackedError::Width { found: width }),
         };
         let functions = [[a0, a1], [b0, b1], [c0, c1]].map(u16::from_le_bytes);
-        Self { scalar, axes, functions, rotary: u16::from_le_bytes([r0, r1]), in_time }.checked()
+        Self { version, scalar, axes, functions, rotary: u16::from_le_bytes([r0, r1]), in_time }.checked()
     }
 
     fn checked(self) -> Result<Self, PackedError> {
+        if !(WITHOUT_LAWS..=VERSION).contains(&self.version) {
+            return Err(PackedError::Version { found: self.version });
+        }
         if (1..=MAX_AXES).contains(&self.axes) {
             Ok(self)
         } else {
@@ -216,7 +227,7 @@ impl Head {
     /// the table above, of which there are [`numbers`](Self::numbers).
     ///
     /// # Errors
-    /// [`PackedError`] for a number of axes, bytes or numbers that is not the right one, and for a number that is not
+    /// [`PackedError`] for a version or a number of axes, bytes or numbers that is not the right one, and for a number that is not
     /// finite in the width asked for.
     pub fn pack(&self, numbers: impl IntoIterator<Item = f64>, out: &mut [u8]) -> Result<(), PackedError> {
         let head = self.checked()?;
@@ -224,7 +235,7 @@ impl Head {
         if found != expected {
             return Err(PackedError::Length { found, expected });
         }
-        let [[v0, v1], [r0, r1]] = [VERSION, head.rotary].map(u16::to_le_bytes);
+        let [[v0, v1], [r0, r1]] = [head.version, head.rotary].map(u16::to_le_bytes);
         let [[a0, a1], [b0, b1], [c0, c1]] = head.functions.map(u16::to_le_bytes);
         let [m0, m1, m2, m3] = MAGIC;
         let width = head.scalar.width();
@@ -262,17 +273,26 @@ impl Head {
 /// A packed skill whose bytes are intact, borrowed where it lies.
 ///
 /// ```
-/// use hpf_core::packed::{Head, Packed, Scalar};
-/// let head = Head { scalar: Scalar::Single, axes: 1, functions: [2; 3], rotary: 0, in_time: [false; 3] };
+/// use hpf_core::packed::{Head, Packed, Scalar, VERSION};
+/// let head = Head {
+///     version: VERSION,
+///     scalar: Scalar::Single,
+///     axes: 1,
+///     functions: [2; 3],
+///     rotary: 0,
+///     in_time: [false; 3],
+/// };
 /// let basis = [1.0, 0.1, 2.0, 2.0]; // centers, widths
 /// let axis = [0.0, 0.3, 25.0, 1.0, 5.0, -5.0, 30.0, 400.0, 100.0, 200.0, 10.0, 100.0, 50.0, 50.0];
-/// let numbers = [&[1.5, 2.3][..], &basis, &basis, &basis, &axis].concat();
-/// let mut bytes = [0; 132];
+/// let law = [2.0, 0.0, 0.0]; // 2 kg, damping from its primitive
+/// let numbers = [&[1.5, 2.3][..], &basis, &basis, &basis, &axis, &law].concat();
+/// let mut bytes = [0; 144];
 /// assert_eq!(head.length(), bytes.len());
 /// head.pack(numbers, &mut bytes)?;
 ///
 /// let skill = Packed::parse(&bytes)?.skill::<f32, 2, 1>()?; // lists of 2, 1 axis
 /// assert_eq!(skill.axes()[0].movement.goal(), 0.3);
+/// assert_eq!(skill.axes()[0].law.mass(), 2.0);
 /// bytes[40] ^= 1;
 /// assert!(Packed::parse(&bytes).is_err());
 /// # Ok::<(), hpf_core::packed::PackedError>(())
@@ -391,7 +411,11 @@ impl<'a> Packed<'a> {
             let stiffness = Gain::new(min, max, store(values, stiffness)?)?;
             let [min, max] = [one(values), one(values)];
             let damping = Gain::new(min, max, store(values, damping)?)?;
-            Ok::<_, PackedError>(AxisPrimitives { movement, stiffness, damping })
+            let law = match self.head.version {
+                WITHOUT_LAWS => Law::FirstOrder,
+                _ => Law::of(one(values), one(values), one(values))?,
+            };
+            Ok::<_, PackedError>(AxisPrimitives { movement, stiffness, damping, law })
         };
         // An array cannot be left half built: after a refusal the rest of it repeats the first axis, and is dropped.
         let first = axis()?;

@@ -5,11 +5,10 @@
 
 mod support;
 
-use hpf_core::controller::{
-    AxisSettings, Compliance, Controller, Damping, Input, Law, Mode, Output, Request, Settings, Timing,
-};
+use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Mode, Output, Request, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
+use hpf_core::{Damping, Law};
 use support::{Family, skill};
 
 /// Updates of each precision, all numbers of axes together.
@@ -121,23 +120,7 @@ macro_rules! adversary {
                         x if x < 1.2 => Compliance::Press(number(-15.0, 15.0)),
                         _ => Compliance::Compliant,
                     };
-                    let damping = if number(0.0, 1.0) < 0.5 {
-                        Damping::Primitive
-                    } else {
-                        Damping::Ratio { ratio: number(0.2, 2.0), floor: number(1.0, 20.0) }
-                    };
-                    let law = if number(0.0, 1.0) < 0.5 {
-                        Law::FirstOrder
-                    } else {
-                        Law::SecondOrder { mass: number(0.1, 10.0), damping }
-                    };
-                    AxisSettings {
-                        compliance,
-                        law,
-                        limits,
-                        trip_force: number(60.0, 120.0),
-                        tracking: number(0.02, 0.1),
-                    }
+                    AxisSettings { compliance, limits, trip_force: number(60.0, 120.0), tracking: number(0.02, 0.1) }
                 });
                 let mut settings = Settings::compliant(axes.map(|axis: AxisSettings<$float>| axis.limits));
                 settings.axes = axes;
@@ -152,6 +135,22 @@ macro_rules! adversary {
                     oldest_force: 4,
                 };
                 settings
+            }
+
+            fn law(dice: &mut Dice) -> Law<$float> {
+                let mut number = |lo: f64, hi: f64| {
+                    if dice.one_in(100) { worst(dice) } else { dice.within(lo, hi) as $float }
+                };
+                let damping = if number(0.0, 1.0) < 0.5 {
+                    Damping::Primitive
+                } else {
+                    Damping::Ratio { ratio: number(0.2, 2.0), floor: number(1.0, 20.0) }
+                };
+                if number(0.0, 1.0) < 0.5 {
+                    Law::FirstOrder
+                } else {
+                    Law::SecondOrder { mass: number(0.1, 10.0), damping }
+                }
             }
 
             /// The mode after a request, and whether it is taken, by a table of its own.
@@ -171,7 +170,9 @@ macro_rules! adversary {
                 let mut dice = Dice(seed);
                 let family = Family::ALL[D % 2];
                 let mut arm = loop {
-                    let made = Controller::new(skill::<$float, D>(family, 2.0), settings(&mut dice), [0.0; D]);
+                    let laws = core::array::from_fn(|_| law(&mut dice));
+                    let skill = skill::<$float, D>(family, 2.0).with_laws(laws);
+                    let made = skill.and_then(|skill| Controller::new(skill, settings(&mut dice), [0.0; D]));
                     if let Ok(arm) = made {
                         break arm;
                     }

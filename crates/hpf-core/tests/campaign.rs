@@ -5,11 +5,10 @@
 mod support;
 
 use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{
-    AxisSettings, Compliance, Controller, Damping, Input, Law, Mode, Output, Request, Settings, Timing,
-};
+use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Mode, Output, Request, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
+use hpf_core::{Damping, Law};
 use support::{Family, N, skill};
 
 const UPDATES: u64 = 1_000_000;
@@ -70,16 +69,6 @@ macro_rules! campaign {
                         1 => Compliance::Press(nasty(dice, -20.0, 20.0)),
                         _ => Compliance::Compliant,
                     };
-                    let damping = if dice.one_in(2) {
-                        Damping::Primitive
-                    } else {
-                        Damping::Ratio { ratio: nasty(dice, 0.1, 2.0), floor: nasty(dice, 1.0, 20.0) }
-                    };
-                    let law = if dice.one_in(2) {
-                        Law::FirstOrder
-                    } else {
-                        Law::SecondOrder { mass: nasty(dice, 0.05, 10.0), damping }
-                    };
                     let limits = Limits {
                         force: nasty(dice, 20.0, 100.0),
                         offset: nasty(dice, 0.02, 0.3),
@@ -88,7 +77,7 @@ macro_rules! campaign {
                         position: [nasty(dice, -0.8, -0.1), nasty(dice, 0.31, 0.8)],
                     };
                     let (trip_force, tracking) = (nasty(dice, 80.0, 150.0), nasty(dice, 0.01, 0.1));
-                    AxisSettings { compliance, law, limits, trip_force, tracking }
+                    AxisSettings { compliance, limits, trip_force, tracking }
                 });
                 let tank = (!dice.one_in(4))
                     .then(|| {
@@ -114,12 +103,25 @@ macro_rules! campaign {
                 }
             }
 
+            fn law(dice: &mut Dice) -> Law<$float> {
+                let damping = if dice.one_in(2) {
+                    Damping::Primitive
+                } else {
+                    Damping::Ratio { ratio: nasty(dice, 0.1, 2.0), floor: nasty(dice, 1.0, 20.0) }
+                };
+                if dice.one_in(2) {
+                    Law::FirstOrder
+                } else {
+                    Law::SecondOrder { mass: nasty(dice, 0.05, 10.0), damping }
+                }
+            }
+
             fn arm(dice: &mut Dice) -> Arm {
                 loop {
                     let position = [nasty(dice, -0.1, 0.3), nasty(dice, -0.1, 0.3)];
                     let family = Family::ALL[usize::from(dice.one_in(2))];
-                    let skill = skill(family, dice.within(0.3, 5.0));
-                    if let Ok(arm) = Controller::new(skill, settings(dice), position) {
+                    let skill = skill(family, dice.within(0.3, 5.0)).with_laws([law(dice), law(dice)]);
+                    if let Ok(arm) = skill.and_then(|skill| Controller::new(skill, settings(dice), position)) {
                         return arm;
                     }
                 }

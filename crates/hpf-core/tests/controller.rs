@@ -4,9 +4,10 @@ mod support;
 
 use hpf_core::Real;
 use hpf_core::admittance::step_offset;
-use hpf_core::controller::{AxisOutput, Compliance, Controller, Damping, Event, Law, Mode, Output, Request, Settings};
+use hpf_core::controller::{AxisOutput, Compliance, Controller, Event, Mode, Output, Request, Settings};
 use hpf_core::passivity::EnergyTank;
-use support::{DT, Family, Rig, skill};
+use hpf_core::{Damping, Law};
+use support::{DT, Family, Kind, Rig, skill};
 
 type Arm = Rig<f64, 1>;
 
@@ -38,8 +39,7 @@ macro_rules! promises {
         mod $name {
             use super::*;
 
-            const FAMILY: Family = Family::$family;
-            const LAW: Law<f64> = $law;
+            const KIND: Kind = Kind { family: Family::$family, law: $law };
 
             include!("controller/promises.rs");
         }

@@ -2,10 +2,12 @@
 
 mod support;
 
-use hpf_core::controller::{AxisSettings, Compliance, Controller, Damping, Input, Law, Request, Settings};
+use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, MovementState, Phase, Real, Transition};
+use hpf_core::{
+    AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, MovementState, Phase, Real, Transition,
+};
 use support::{Family, settings, skill};
 
 #[test]
@@ -30,10 +32,11 @@ fn constructors_refuse_what_lies_outside() {
         assert!(refused(&|s| s.axes[0].tracking = outside));
         assert!(refused(&|s| s.conditioning.cutoff = Some(outside)));
         assert!(refused(&|s| s.timing.longest_step = outside));
-        assert!(refused(&|s| s.axes[0].law = Law::SecondOrder { mass: outside, damping: Damping::Primitive }));
+        let refused = |law| skill::<f64, 1>(Family::Time, 2.0).with_laws([law]).is_err();
+        assert!(refused(Law::SecondOrder { mass: outside, damping: Damping::Primitive }));
         let ratio = |ratio, floor| Law::SecondOrder { mass: 1.0, damping: Damping::Ratio { ratio, floor } };
-        assert!(refused(&|s| s.axes[0].law = ratio(outside, 1.0)));
-        assert!(refused(&|s| s.axes[0].law = ratio(1.0, outside)));
+        assert!(refused(ratio(outside, 1.0)));
+        assert!(refused(ratio(1.0, outside)));
     }
     for outside in [1.001e9, -1.001e9, 1e300, f64::NAN, f64::INFINITY] {
         assert!(Movement::new(outside, 0.0, 25.0, 1.0, rest).is_err(), "start {outside}");
@@ -74,6 +77,7 @@ macro_rules! corners {
                     movement: Movement::new(0.0, of(goal), of(alpha), of(goal), [of(weight * 0.99); 3]).unwrap(),
                     stiffness: Gain::new(of(k), of(k), [of(k); 3]).unwrap(),
                     damping: Gain::new(of(d), of(d), [of(d); 3]).unwrap(),
+                    law: Law::FirstOrder,
                 };
                 HybridPrimitive::new(Phase::new(of(duration), of(decay)).unwrap(), [basis; 3], [axis]).unwrap()
             }
@@ -104,6 +108,7 @@ macro_rules! corners {
                                                 axis.remainder.position,
                                                 axis.remainder.scaled_velocity,
                                                 axis.offset,
+                                                axis.offset_velocity,
                                             ];
                                             assert!(
                                                 all.iter().all(|value| value.is_finite()),
@@ -135,15 +140,17 @@ macro_rules! corners {
                                 };
                                 let mut settings = Settings::compliant([limits]);
                                 settings.axes[0] = AxisSettings { trip_force: 1e9, tracking: 1e9, ..settings.axes[0] };
-                                if let Some(mass) = mass {
-                                    let damping = Damping::Primitive;
-                                    settings.axes[0].law = Law::SecondOrder { mass: of(mass), damping };
-                                }
+                                let law = mass.map_or(Law::FirstOrder, |mass| Law::SecondOrder {
+                                    mass: of(mass),
+                                    damping: Damping::Primitive,
+                                });
                                 settings.axes[0].compliance = Compliance::Press(of(wide));
                                 settings.conditioning.cutoff = Some(1e9);
                                 settings.tank = EnergyTank::new(of(wide), 0.0, 1.0, of(wide)).ok();
                                 settings.timing.longest_step = of(step);
-                                let made = Controller::new(skill([k, d], [1e6, 1e-9, 4.6], 1e8), settings, [0.0]);
+                                let made = skill([k, d], [1e6, 1e-9, 4.6], 1e8)
+                                    .with_laws([law])
+                                    .and_then(|skill| Controller::new(skill, settings, [0.0]));
                                 // Of the second order, steps without a right digit are refused.
                                 let Ok(mut arm) = made else {
                                     assert!(mass.is_some(), "k {k} d {d} wide {wide}: {made:?}");

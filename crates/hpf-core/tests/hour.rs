@@ -4,11 +4,11 @@
 
 mod support;
 
-use hpf_core::Real;
 use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{Damping, Law, Request};
+use hpf_core::controller::Request;
 use hpf_core::passivity::EnergyTank;
-use support::{Family, Rig, settings};
+use hpf_core::{Damping, Law, Real};
+use support::{Family, Kind, Rig, settings};
 
 const SECONDS: usize = 3600;
 /// The largest gap allowed between the two [m]: the phase of a movement is a product of 2000 factors, each rounded at
@@ -49,13 +49,9 @@ fn request<T: Real>(tick: usize, position: T) -> Option<Request<T, 1>> {
 fn gaps(family: Family, law: Law<f64>) -> Vec<f64> {
     fn rig<T: Real + PartialOrd>(family: Family, law: Law<f64>) -> Rig<T, 1> {
         let mut settings = settings();
-        settings.axes[0].law = match law {
-            Law::FirstOrder => Law::FirstOrder,
-            Law::SecondOrder { mass, .. } => Law::SecondOrder { mass: T::of(mass), damping: Damping::Primitive },
-        };
         settings.conditioning = ForceConditioning { cutoff: Some(T::of(30.0)), ..settings.conditioning };
         settings.tank = Some(EnergyTank::new(T::of(CAPACITY), T::ZERO, T::of(0.9), T::of(100.0)).unwrap());
-        Rig::started(family, settings, 2.0)
+        Rig::started(Kind { family, law }, settings, 2.0)
     }
     let (mut single, mut double) = (rig::<f32>(family, law), rig::<f64>(family, law));
     let ticks = 1000 * seconds();

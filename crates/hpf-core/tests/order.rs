@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use hpf_core::admittance::{Instant, relax, step_offset};
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, MovementState, Phase, Transition};
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Law, Movement, MovementState, Phase, Transition};
 
 const ALPHA: f64 = 25.0;
 
@@ -126,6 +126,7 @@ fn skill() -> HybridPrimitive<f64, Vec<f64>, 1> {
         movement: Movement::new(0.1, 0.6, ALPHA, 0.5, over(&|t| 120.0 * (2.0 * PI * t).sin())).unwrap(),
         stiffness: Gain::new(30.0, 400.0, over(&|t| 200.0 - 150.0 * (PI * t).cos())).unwrap(),
         damping: Gain::new(10.0, 100.0, over(&|t| 50.0 + 30.0 * (3.0 * t).sin())).unwrap(),
+        law: Law::FirstOrder,
     };
     HybridPrimitive::new(Phase::new(TAU, 100.0_f64.ln()).unwrap(), [basis.clone(), basis.clone(), basis], [axis])
         .unwrap()

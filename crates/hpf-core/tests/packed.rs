@@ -1,16 +1,16 @@
 //! Packed skills: what goes in comes out, and nothing damaged does.
 
-use hpf_core::packed::{Head, Packed, PackedError, Scalar, crc32};
-use hpf_core::{Basis, ConfigError, HybridPrimitive};
+use hpf_core::packed::{Head, Packed, PackedError, Scalar, VERSION, crc32};
+use hpf_core::{Basis, ConfigError, Damping, HybridPrimitive, Law};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 /// Functions in the bases of movement, stiffness and damping.
 const FUNCTIONS: [u16; 3] = [4, 3, 2];
 
-/// A head and its numbers: two axes, each list another.
+/// A head and its numbers: two axes, each list another, each its law.
 fn example(scalar: Scalar) -> (Head, Vec<f64>) {
-    let head = Head { scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10, in_time: [false; 3] };
+    let head = Head { version: VERSION, scalar, axes: 2, functions: FUNCTIONS, rotary: 0b10, in_time: [false; 3] };
     let mut numbers = vec![1.7, 4.605];
     for count in FUNCTIONS.map(f64::from) {
         numbers.extend((0..count as usize).map(|i| 1.0 - i as f64 / count));
@@ -21,6 +21,7 @@ fn example(scalar: Scalar) -> (Head, Vec<f64>) {
         numbers.extend([30.3, -11.7, 8.1, 40.0]);
         numbers.extend([30.0, 400.0, 100.0 + axis, 200.0, 399.9]);
         numbers.extend([10.0, 100.0, 20.0 + axis, 55.5]);
+        numbers.extend(if axis > 0.0 { [2.5, 0.0, 0.0] } else { [0.5, 0.7, 5.0] });
     }
     (head, numbers)
 }
@@ -66,6 +67,7 @@ fn a_basis_of_the_time_family_is_packed_with_its_overlap_and_checked() {
         for axis in [1.0, -0.7] {
             numbers.extend([0.1 * axis, axis, 25.0, 0.9, 30.3, -11.7, 8.1, 40.0]);
             numbers.extend([30.0, 400.0, 100.0, 200.0, 300.0, 390.0, 10.0, 100.0, 20.0, 30.0, 40.0, 50.0]);
+            numbers.extend([0.0; 3]);
         }
         let mut bytes = vec![0; head.length()];
         head.pack(numbers, &mut bytes).unwrap();
@@ -111,6 +113,43 @@ fn the_skill_has_each_list_in_its_place() {
     assert_eq!(axis.stiffness.weights(), [100.0 - 0.7, 200.0, 399.9]);
     assert_eq!((axis.damping.min(), axis.damping.max()), (10.0, 100.0));
     assert_eq!(axis.damping.weights(), [20.0 - 0.7, 55.5]);
+    let laws = skill.axes().map(|axis| axis.law);
+    let ratio = Damping::Ratio { ratio: 0.7, floor: 5.0 };
+    let [first, second] = [(2.5, Damping::Primitive), (0.5, ratio)];
+    assert_eq!(laws, [first, second].map(|(mass, damping)| Law::SecondOrder { mass, damping }));
+}
+
+#[test]
+fn version_1_is_read_and_written_and_is_of_first_order() {
+    let (head, numbers) = example(Scalar::Double);
+    let head = Head { version: 1, ..head };
+    // Without the three numbers that end each axis.
+    let [axis, law] = [(4 + 4) + (2 + 3) + (2 + 2), 3];
+    let front = numbers.len() - 2 * (axis + law);
+    let old: Vec<f64> = numbers[..front]
+        .iter()
+        .chain(&numbers[front..][..axis])
+        .chain(&numbers[front + axis + law..][..axis])
+        .copied()
+        .collect();
+    let mut bytes = vec![0; head.length()];
+    head.pack(old.iter().copied(), &mut bytes).unwrap();
+    assert_eq!((bytes[4], bytes.len()), (1, packed(Scalar::Double).len() - 2 * 3 * 8));
+    let old = Packed::parse(&bytes).unwrap();
+    assert_eq!(old.head(), &head);
+    let mut storage = vec![0.0; head.storage()];
+    let old = old.skill_in::<f64, 2>(&mut storage).unwrap();
+    let bytes = packed(Scalar::Double);
+    let mut storage = vec![0.0; head.storage()];
+    let new = Packed::parse(&bytes).unwrap().skill_in::<f64, 2>(&mut storage).unwrap();
+    assert_eq!(old, new.with_laws([Law::FirstOrder; 2]).unwrap());
+    for version in [0, 3, u16::MAX] {
+        let mut bytes = packed(Scalar::Double);
+        bytes[4..6].copy_from_slice(&version.to_le_bytes());
+        assert_eq!(Packed::parse(&sealed(bytes)), Err(PackedError::Version { found: version }));
+        let head = Head { version, ..head };
+        assert_eq!(head.pack([], &mut []), Err(PackedError::Version { found: version }));
+    }
 }
 
 #[test]
@@ -133,7 +172,23 @@ fn what_does_not_fit_is_said() {
 
 #[test]
 fn a_number_that_cannot_be_is_refused_though_its_checksum_fits() {
-    for (place, wrong) in [(0, -1.0), (2, 0.0), (28, 0.0), (30, 1e9), (30, f64::NAN), (47, 1e9)] {
+    // Among them a law of its last axis: no mass, a mass that is none, too little of it, a floor without its ratio.
+    let law = example(Scalar::Double).1.len() - 3;
+    for (place, wrong) in [
+        (0, -1.0),
+        (2, 0.0),
+        (28, 0.0),
+        (30, 1e9),
+        (30, f64::NAN),
+        (50, 1e9),
+        (law, 0.0),
+        (law, -1.0),
+        (law, f64::NAN),
+        (law, 1e-9),
+        (law + 1, 0.0),
+        (law + 1, -0.1),
+        (law + 2, 0.0),
+    ] {
         let mut bytes = packed(Scalar::Double);
         bytes[16 + 8 * place..][..8].copy_from_slice(&wrong.to_le_bytes());
         let refused = read(&sealed(bytes));
@@ -179,12 +234,13 @@ proptest! {
     #[test]
     fn arbitrary_numbers_under_a_checksum_that_fits_do_not_panic(
         wide in any::<bool>(),
+        newer in any::<bool>(),
         axes in 1_u8..4,
         functions in [0_u16..5, 0..5, 0..5],
         noise in vec(any::<f64>(), 1..40),
     ) {
         let scalar = if wide { Scalar::Double } else { Scalar::Single };
-        let head = Head { scalar, axes, functions, rotary: 0, in_time: [false; 3] };
+        let head = Head { version: 1 + u16::from(newer), scalar, axes, functions, rotary: 0, in_time: [false; 3] };
         let mut bytes = vec![0; head.length()];
         head.pack(vec![0.5; head.numbers()], &mut bytes).unwrap();
         let last = bytes.len() - 4;

@@ -1,7 +1,9 @@
 //! What holds for every parameter and every input, tried on random ones.
 
 use hpf_core::admittance::step_offset;
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, MovementState, Phase, Transition};
+use hpf_core::{
+    AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, Law, Movement, MovementState, Phase, Transition,
+};
 use proptest::collection::vec;
 use proptest::num::{f32 as any_f32, f64 as any_f64};
 use proptest::prelude::*;
@@ -137,14 +139,27 @@ macro_rules! total {
             const N: usize = 8;
             type Skill = HybridPrimitive<$float, [$float; N], 2>;
 
+            /// Either law, of any mass that a skill takes with these gains.
+            fn law() -> impl Strategy<Value = Law<$float>> {
+                let damping = prop_oneof![
+                    Just(Damping::Primitive),
+                    (0.1..2.0 as $float, 1.0..20.0 as $float)
+                        .prop_map(|(ratio, floor)| Damping::Ratio { ratio, floor }),
+                ];
+                let second = (-4.0..4.0 as $float, damping)
+                    .prop_map(|(exponent, damping)| Law::SecondOrder { mass: <$float>::powf(10.0, exponent), damping });
+                prop_oneof![Just(Law::FirstOrder), second]
+            }
+
             fn axis() -> impl Strategy<Value = AxisPrimitives<$float, [$float; N]>> {
                 let list = |lo: $float, hi: $float| vec(lo..=hi, N).prop_map(|list| list.try_into().unwrap());
                 let movement = (-10.0..10.0 as $float, -10.0..10.0 as $float, 1.0..200.0 as $float);
-                (movement, list(-1e3, 1e3), list(30.0, 400.0), list(10.0, 100.0)).prop_map(
-                    |((start, goal, alpha), weights, stiffness, damping)| AxisPrimitives {
+                (movement, list(-1e3, 1e3), list(30.0, 400.0), list(10.0, 100.0), law()).prop_map(
+                    |((start, goal, alpha), weights, stiffness, damping, law)| AxisPrimitives {
                         movement: Movement::new(start, goal, alpha, goal - start, weights).unwrap(),
                         stiffness: Gain::new(30.0, 400.0, stiffness).unwrap(),
                         damping: Gain::new(10.0, 100.0, damping).unwrap(),
+                        law,
                     },
                 )
             }
@@ -175,9 +190,10 @@ macro_rules! total {
                         let before = state;
                         let commands = skill.step(&mut state, [x, y], rate, dt);
                         prop_assert!((0.0..=before.phase).contains(&state.phase), "{state:?}");
-                        for (axis, command) in state.axes.iter().zip(commands) {
+                        for ((axis, command), primitives) in state.axes.iter().zip(commands).zip(skill.axes()) {
                             let all = [
                                 axis.reference.position, axis.reference.scaled_velocity, axis.offset,
+                                axis.offset_velocity,
                                 command.position, command.velocity, command.stiffness, command.damping,
                             ];
                             prop_assert!(
@@ -187,8 +203,14 @@ macro_rules! total {
                             // The bounds of the weights, up to the rounding of a mixture of eight.
                             prop_assert!(command.stiffness >= 30.0 * (1.0 - $slack), "{command:?}");
                             prop_assert!(command.stiffness <= 400.0 * (1.0 + $slack), "{command:?}");
-                            prop_assert!(command.damping >= 10.0 * (1.0 - $slack), "{command:?}");
-                            prop_assert!(command.damping <= 100.0 * (1.0 + $slack), "{command:?}");
+                            let [least, most] = match primitives.law {
+                                Law::SecondOrder { mass, damping: Damping::Ratio { ratio, floor } } => {
+                                    [floor, floor.max(2.0 * ratio * (mass * 400.0).sqrt())]
+                                }
+                                _ => [10.0, 100.0],
+                            };
+                            prop_assert!(command.damping >= least * (1.0 - $slack), "{command:?}");
+                            prop_assert!(command.damping <= most * (1.0 + $slack), "{command:?}");
                         }
                     }
                 }
@@ -254,6 +276,7 @@ macro_rules! total {
                         movement: Movement::new(0.0, goal, alpha, goal, [30.0, -20.0, 40.0, 10.0]).unwrap(),
                         stiffness: Gain::new(30.0, 400.0, [100.0; 4]).unwrap(),
                         damping: Gain::new(10.0, 100.0, [50.0; 4]).unwrap(),
+                        law: Law::FirstOrder,
                     };
                     let phase = Phase::new(0.1, 100.0_f64.ln() as $float).unwrap();
                     let skill = HybridPrimitive::new(phase, [basis; 3], [axis]).unwrap();
@@ -322,6 +345,7 @@ fn a_basis_that_primitives_share_is_evaluated_once_and_alike() {
         movement: Movement::new(0.0, 1.0, 25.0, 1.0, list(3.0)).unwrap(),
         stiffness: Gain::new(30.0, 400.0, list(20.0)).unwrap(),
         damping: Gain::new(10.0, 100.0, list(10.0)).unwrap(),
+        law: Law::FirstOrder,
     };
     let basis = |overlap: f64| Basis::equally_spaced(4.6, overlap, [0.0; 5], [0.0; 5]).unwrap();
     let in_time = Basis::equally_spaced_in_time(4.6, 0.6, [0.0; 5], [0.0; 5]).unwrap();
@@ -374,6 +398,7 @@ fn every_refusal_names_its_culprit() {
             movement: Movement::new(0.0, 1.0, 25.0, 1.0, vec![0.0; n[0]]).unwrap(),
             stiffness: Gain::new(30.0, 400.0, vec![100.0; n[1]]).unwrap(),
             damping: Gain::new(10.0, 100.0, vec![50.0; n[2]]).unwrap(),
+            law: Law::FirstOrder,
         };
         let bases = [(); 3].map(|()| Basis::new(basis().centers().to_vec(), basis().widths().to_vec()).unwrap());
         HybridPrimitive::new(phase(), bases, [axis]).unwrap_err()

@@ -1,6 +1,6 @@
 //! Stored numbers of another implementation of the same equations; `data/README.md` says whose and how they were made.
 
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 use serde_json::Value;
 
 const N: usize = 20;
@@ -99,6 +99,7 @@ fn rollout<T: Real>(case: &Case, finer: usize) -> Vec<[f64; 4]> {
             .unwrap(),
             stiffness: Gain::new(T::ONE, T::ONE, vec![T::ONE; N]).unwrap(),
             damping: Gain::new(T::ONE, T::ONE, vec![T::ONE; N]).unwrap(),
+            law: Law::FirstOrder,
         }
     });
     let phase = Phase::new(T::of(case.duration), number("decay")).unwrap();

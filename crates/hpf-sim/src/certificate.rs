@@ -121,7 +121,35 @@ pub struct MeasuredContact {
     pub limit: f64,
 }
 
+/// Rates that are looked at for the least one [Hz].
+const RATES: [f64; 2] = [1.0, 1e7];
+
 impl Task {
+    /// The least rate of a loop that measures the force of this task's contact and is stable at the least damping that the
+    /// task allows [Hz]; none where no rate is enough, and without a contact.
+    pub fn least_rate(&self) -> Option<f64> {
+        let mut judged = self.clone();
+        judged.sensor.get_or_insert_default();
+        let stiffness = judged.measured_contact()?.stiffness;
+        let mut stable = |rate: f64| {
+            // A limit depends on the length of a step alone: one step is enough.
+            (judged.rate, judged.duration) = (rate, rate.recip());
+            judged.measured_contact().is_some_and(|contact| stiffness < contact.limit)
+        };
+        let [mut low, mut high] = RATES;
+        if stable(low) {
+            return Some(low);
+        }
+        if !stable(high) {
+            return None;
+        }
+        while high > low * (1.0 + 1e-9) {
+            let middle = (low * high).sqrt();
+            *(if stable(middle) { &mut high } else { &mut low }) = middle;
+        }
+        Some(high)
+    }
+
     /// The contact of a task whose force is measured, where it has both.
     pub fn measured_contact(&self) -> Option<MeasuredContact> {
         let contact = self.contact.as_ref()?;

@@ -13,6 +13,7 @@ pub mod environment;
 mod metrics;
 mod policy;
 mod problem;
+pub mod robot;
 mod simulation;
 mod start;
 pub mod task;

@@ -2,7 +2,7 @@
 
 mod basis;
 
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 use serde::{Deserialize, Serialize};
 
 pub use basis::{Family, PolicyBasis};
@@ -344,7 +344,7 @@ impl Policy {
     pub fn to_hybrid_of<T: Real, const D: usize>(&self) -> Result<HybridPrimitive<T, Vec<T>, D>, ConfigError> {
         let list = |numbers: &[f64]| -> Vec<T> { numbers.iter().map(|&number| T::of(number)).collect() };
         let gain = |gain: &GainPolicy| Gain::new(T::of(gain.min), T::of(gain.max), list(&gain.weights));
-        let axes = self.axes.iter().map(|axis| {
+        let axes = self.axes.iter().enumerate().map(|(i, axis)| {
             let movement = &axis.movement;
             let [start, goal, alpha, scale] =
                 [axis.start, axis.goal, movement.alpha, movement.forcing_scale].map(T::of);
@@ -352,6 +352,7 @@ impl Policy {
                 movement: Movement::new(start, goal, alpha, scale, list(&movement.weights))?,
                 stiffness: gain(&axis.stiffness)?,
                 damping: gain(&axis.damping)?,
+                law: self.admittance.law(i),
             })
         });
         let axes: Vec<_> = axes.collect::<Result<_, ConfigError>>()?;
@@ -399,6 +400,14 @@ impl Policy {
 }
 
 impl AdmittancePolicy {
+    /// The law of axis `axis`.
+    pub fn law<T: Real>(&self, axis: usize) -> Law<T> {
+        match self.mass.as_ref().and_then(|mass| mass.get(axis)) {
+            None => Law::FirstOrder,
+            Some(&mass) => Law::SecondOrder { mass: T::of(mass), damping: Damping::Primitive },
+        }
+    }
+
     fn check(&self, axes: usize) -> Result<(), PolicyError> {
         let refuse = |reason: String| Err(value_error("admittance.mass", reason));
         match (self.order, &self.mass) {

@@ -16,10 +16,12 @@
 mod batch;
 mod blocks;
 mod circumstances;
+mod controlled;
 mod draws;
 mod inertial;
 mod measured;
 mod motion;
+mod plant;
 mod profiles;
 mod table;
 mod tool;
@@ -35,8 +37,9 @@ use crate::trace::{AxisTrace, ContactTrace, Trace};
 pub use circumstances::disturbances;
 use circumstances::{Circumstances, Met, Set};
 use inertial::{FreeInertial, TouchingInertial};
-use measured::{Measured, Robot};
+use measured::Measured;
 use motion::{Reference, Tool, roll};
+use plant::Robot;
 use profiles::{Profiles, Tables};
 use table::Table;
 use tool::{ContactModel, Free, Touching};
@@ -70,6 +73,9 @@ pub enum SimulationError {
     /// The task is another program's to run.
     #[error("the environment of this task is a process, which only `hpf learn` talks to: there is nothing to simulate")]
     Process,
+    /// The controller refuses the settings, or the skill with them.
+    #[error("the controller refuses: {0}")]
+    Controller(ConfigError),
     /// The policy takes another time.
     #[error("the policy takes {policy} s, the task {task} s")]
     Duration {
@@ -102,6 +108,7 @@ pub struct Simulation {
     pub(crate) is_random: bool,
     /// Whether forces last into the rest time, or differ from draw to draw: the tool then cannot rest at its goal.
     pub(crate) is_pushed_at_rest: bool,
+    /// Where forces are measured.
     robot: Option<Robot>,
     instructions: pulp::Arch,
 }
@@ -172,8 +179,10 @@ impl Simulation {
                 ends[j + 1] = ends[j] + count;
             }
             parameters = ends[4];
-            let numbers = [axis.start, axis.goal, m.alpha, m.forcing_scale];
             let touched = contact.as_ref().filter(|contact| contact.axis == axes.len());
+            // A controller starts its reference where the tool is.
+            let start = touched.map_or(axis.start, |contact| contact.initial_position);
+            let numbers = [start, axis.goal, m.alpha, m.forcing_scale];
             let most = axis.stiffness.max + touched.map_or(0.0, ContactModel::largest_stiffness);
             let mass = policy.admittance.mass.as_ref().map(|mass| mass[axes.len()]);
             let inertia = mass.map(|mass| [mass, most, axis.damping.max]);
@@ -235,7 +244,7 @@ impl Simulation {
             is_random: task.is_random(),
             is_pushed_at_rest: task.is_random() || shown.lasts_beyond(steps),
             shown,
-            robot: Robot::of(task, dt),
+            robot: (task.sensor.is_some() || task.actuator.is_some()).then(|| Robot::of(task, dt)),
             instructions: pulp::Arch::new(),
         })
     }

@@ -15,6 +15,7 @@ use core::ops::Range;
 use std::collections::HashSet;
 
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::{Actuator, Contact, Disturbance, Sensor};
@@ -362,6 +363,14 @@ impl Default for PerAxis {
 }
 
 impl PerAxis {
+    /// How many values are written down, where there is one for each axis.
+    pub(crate) fn count(&self) -> Option<usize> {
+        match self {
+            Self::All(_) => None,
+            Self::Each(values) => Some(values.len()),
+        }
+    }
+
     /// The value of axis `index`.
     ///
     /// # Panics
@@ -403,25 +412,7 @@ impl Task {
             let help = "a task needs at least name, duration, rate, one [[axis]], [stiffness] and [damping]";
             return Err(vec![Diagnostic { span: 0..0, message: "the file is empty".into(), help: help.into() }]);
         }
-        let document = keys::Document::parse(text)?;
-        let mut found = document.check_against(&Self::schema());
-        match toml::from_str::<Self>(text) {
-            Ok(task) => {
-                // A number that is wrong by itself need not be wrong with others too.
-                let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
-                let before = found.len();
-                rules::check(&task, &document, &mut found);
-                let more = found.split_off(before);
-                found.extend(more.into_iter().filter(|diagnostic| !told.contains(&diagnostic.span)));
-                if found.is_empty() {
-                    return Ok(task);
-                }
-            }
-            Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
-            Err(_) => {}
-        }
-        found.sort_by_key(|diagnostic| diagnostic.span.start);
-        Err(found)
+        read_checked(text, &Self::schema(), "the task", rules::check)
     }
 
     /// The JSON schema of the task file.
@@ -500,4 +491,44 @@ impl Task {
     pub fn axis_index(&self, name: &str) -> Option<usize> {
         self.axis.iter().position(|axis| axis.name == name)
     }
+}
+
+/// Reads a file of what `schema` describes, called `whole` in messages; `rules` append what contradicts itself.
+fn read_checked<V: DeserializeOwned>(
+    text: &str,
+    schema: &serde_json::Value,
+    whole: &str,
+    rules: impl FnOnce(&V, &keys::Document<'_>, &mut Vec<Diagnostic>),
+) -> Result<V, Vec<Diagnostic>> {
+    let document = keys::Document::parse(text)?;
+    let mut found = document.check_against(schema, whole);
+    match toml::from_str::<V>(text) {
+        Ok(value) => {
+            // A number that is wrong by itself need not be wrong with others too.
+            let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
+            let before = found.len();
+            rules(&value, &document, &mut found);
+            let more = found.split_off(before);
+            found.extend(more.into_iter().filter(|diagnostic| !told.contains(&diagnostic.span)));
+            if found.is_empty() {
+                return Ok(value);
+            }
+        }
+        Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
+        Err(_) => {}
+    }
+    found.sort_by_key(|diagnostic| diagnostic.span.start);
+    Err(found)
+}
+
+/// As [`read_checked`] for other files than tasks; `rules` say a path, what is wrong there, and what helps.
+pub(crate) fn read<V: DeserializeOwned>(
+    text: &str,
+    schema: &serde_json::Value,
+    whole: &str,
+    rules: impl FnOnce(&V, &mut dyn FnMut(&str, String, String)),
+) -> Result<V, Vec<Diagnostic>> {
+    read_checked(text, schema, whole, |value, document, found| {
+        rules(value, &mut |path, message, help| found.push(Diagnostic { span: document.span(path), message, help }));
+    })
 }

@@ -3,15 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hpf_sim::Simulation;
+use hpf_sim::robot::Settings;
+use hpf_sim::task::MAX_TASK_BYTES;
+use hpf_sim::{Simulation, Task};
 
 use crate::cli::{Common, Simulate};
+use crate::conduct::Controlled;
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_policy, read_task, say, sha256};
+use crate::files::{in_file, read_limited, read_policy, read_task, say, sha256};
 use crate::results::{LearningRow, Run};
 use crate::summary::Summary;
-use crate::{overrides, render, results};
+use crate::{overrides, render, report, results};
 
 /// What `--set` may change: the policy decides the rest.
 const ENVIRONMENT: [&str; 8] = ["rate", "disturbance", "contact", "sensor", "actuator", "via_point", "cost", "accept"];
@@ -27,8 +30,15 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
 
     let simulation = Simulation::new(&loaded.task, &policy).map_err(in_file(&policy_path))?;
     let parameters = simulation.parameters(&policy);
-    let trajectory = simulation.rollout(&parameters);
-    let (cost, metrics) = simulation.evaluate(&parameters);
+    let (trajectory, (cost, metrics), controlled) = match settings(options, &loaded.task)? {
+        None => (simulation.rollout(&parameters), simulation.evaluate(&parameters), None),
+        Some((settings, text)) => {
+            let (shown, conduct) = simulation.controlled(&policy, &settings).map_err(in_file(&policy_path))?;
+            let evaluated = simulation.evaluate_controlled(&policy, &settings);
+            let (cost, metrics, tally) = evaluated.map_err(in_file(&policy_path))?;
+            (shown, (cost, metrics), Some(Controlled { settings, text, conduct, tally }))
+        }
+    };
     let price = (cost.total(), cost.terms.clone());
     if !price.0.is_finite() {
         return Err(Failure::Input(format!(
@@ -44,7 +54,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         task: run.task.name.clone(),
         task_sha256: sha256(&loaded.text),
         policy_sha256: sha256(&run.policy.to_json()),
-        method: "simulation",
+        method: if controlled.is_some() { "controller" } else { "simulation" },
         seed: run.task.learning.seed,
         threads: rayon::current_num_threads(),
         updates: 0,
@@ -59,6 +69,14 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         stopped_because: "a policy was run, nothing learned".into(),
     };
 
+    let time = run.trajectory.time.clone();
+    let object = |summary: &Summary| {
+        let mut object = summary.to_json();
+        if let Some(controlled) = &controlled {
+            object["controller"] = controlled.to_json(&time);
+        }
+        object
+    };
     let mut files = Vec::new();
     if let Some(target) = &common.out {
         let mut folder = Unfinished::begin(target, common.force)?;
@@ -69,8 +87,14 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
             }
             folder.write("task.toml", &loaded.text)?;
             results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
+            if let Some(controlled) = &controlled {
+                folder.write("controller.csv", controlled.csv(&run.task, &time))?;
+                if let Some(text) = &controlled.text {
+                    folder.write("settings.toml", text)?;
+                }
+            }
             summary.total_s = started.elapsed().as_secs_f64();
-            folder.write("summary.json", format!("{:#}\n", summary.to_json()))
+            folder.write("summary.json", format!("{:#}\n", object(&summary)))
         })();
         if let Err(failure) = saved {
             return Err(folder.abandon(failure));
@@ -81,11 +105,29 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
 
     let place = common.out.as_ref().map(|out| out.display().to_string());
     if common.json {
-        say(&render::json(&summary, place.as_deref(), &files))?;
+        say(&render::finished(object(&summary), place.as_deref(), &files))?;
     } else {
         say(&render::simulated(&run.task, &summary, place.as_deref(), &files))?;
+        if let Some(controlled) = &controlled {
+            say(&controlled.render(&time))?;
+        }
     }
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
+}
+
+/// The settings of the controller, where it is asked for, and the text of their file.
+fn settings(options: &Simulate, task: &Task) -> Result<Option<(Settings, Option<String>)>, Failure> {
+    if !options.controller {
+        return Ok(None);
+    }
+    if task.contact.is_some() && task.least_rate().is_none_or(|rate| rate > task.rate) {
+        eprintln!("warning: this loop runs at {} Hz; {}", render::number(task.rate), render::least_rate(task));
+    }
+    let Some(path) = &options.settings else { return Ok(Some((Settings::default(), None))) };
+    let text = read_limited(path, MAX_TASK_BYTES as u64)?;
+    let name = path.display().to_string();
+    let settings = Settings::parse(&text, task.axis.len()).map_err(|found| report::render(&found, &text, &name))?;
+    Ok(Some((settings, Some(text))))
 }
 
 /// The policy file and the task file it runs in.

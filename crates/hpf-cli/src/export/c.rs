@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use hpf_sim::Policy;
 
-use super::{PER_AXIS, Precision, WEIGHTS, bases, lines, preamble};
+use super::{MASS, PER_AXIS, Precision, WEIGHTS, bases, lines, masses, preamble};
 use crate::files::sha256;
 
 /// The header's text.
@@ -50,11 +50,9 @@ pub fn header(policy: &Policy, precision: Precision) -> String {
         let _ = writeln!(text, "\n/* {what}, by axis. */");
         let _ = writeln!(text, "static const {kind} {prefix}_{name}[{upper}_AXES] = {{{values}\n}};");
     }
-    if let Some(mass) = &policy.admittance.mass {
-        let values = lines(mass.iter().map(digits), 4);
-        let _ = writeln!(text, "\n/* Virtual mass of the admittance of second order [kg or kg m^2], by axis. */");
-        let _ = writeln!(text, "static const {kind} {prefix}_mass[{upper}_AXES] = {{{values}\n}};");
-    }
+    let values = lines(masses(policy).iter().map(digits), 4);
+    let _ = writeln!(text, "\n/* {MASS}, by axis. */");
+    let _ = writeln!(text, "static const {kind} {prefix}_mass[{upper}_AXES] = {{{values}\n}};");
     for basis in &bases {
         let (name, (shape, what)) = (basis.name, basis.shape_name());
         let count = format!("{upper}_{}_BASIS", name.to_uppercase());

@@ -4,14 +4,14 @@ use core::fmt::Write as _;
 
 use hpf_sim::Policy;
 
-use super::{PER_AXIS, Precision, WEIGHTS, bases, lines, preamble};
+use super::{MASS, PER_AXIS, Precision, WEIGHTS, bases, lines, masses, preamble};
 use crate::files::sha256;
 
 /// A learned number may be near a constant that clippy knows, or long.
 const HEAD: &str = "
 #![allow(clippy::approx_constant, clippy::unreadable_literal)]
 
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, NAMES_HEREGain, HybridPrimitive, Law, Movement, Phase};
 ";
 
 const BUILD: &str = "
@@ -36,6 +36,7 @@ const AXIS: &str = "        AxisPrimitives {
             movement: Movement::new(START[I], GOAL[I], ALPHA[I], FORCING_SCALE[I], &MOVEMENT_WEIGHTS[I][..])?,
             stiffness: Gain::new(STIFFNESS_MIN[I], STIFFNESS_MAX[I], &STIFFNESS_WEIGHTS[I][..])?,
             damping: Gain::new(DAMPING_MIN[I], DAMPING_MAX[I], &DAMPING_WEIGHTS[I][..])?,
+            law: LAW_HERE,
         },
 ";
 
@@ -46,7 +47,12 @@ pub fn module(policy: &Policy, precision: Precision) -> String {
         text += format!("//! {line}").trim_end();
         text.push('\n');
     }
-    text += HEAD;
+    // Only what is used is imported and written: the module compiles without a warning.
+    let (damping, law) = match &policy.admittance.mass {
+        None => ("", "Law::FirstOrder"),
+        Some(_) => ("Damping, ", "Law::SecondOrder { mass: MASS[I], damping: Damping::Primitive }"),
+    };
+    text += &HEAD.replace("NAMES_HERE", damping);
     let axes = policy.axes.len();
     let digits = |number: &f64| precision.digits(*number);
     let list = |numbers: &[f64]| lines(numbers.iter().map(digits), 4);
@@ -67,10 +73,8 @@ pub fn module(policy: &Policy, precision: Precision) -> String {
         let _ = writeln!(text, "\n/// {}, by axis.", what);
         let _ = writeln!(text, "pub static {}: [Scalar; AXES] = [{}\n];", name.to_uppercase(), list(&values));
     }
-    if let Some(mass) = &policy.admittance.mass {
-        let _ = writeln!(text, "\n/// Virtual mass of the admittance of second order [kg or kg m^2], by axis.");
-        let _ = writeln!(text, "pub static MASS: [Scalar; AXES] = [{}\n];", list(mass));
-    }
+    let _ = writeln!(text, "\n/// {MASS}, by axis.");
+    let _ = writeln!(text, "pub static MASS: [Scalar; AXES] = [{}\n];", list(&masses(policy)));
     let bases = bases(policy, precision);
     for basis in &bases {
         let (name, (shape, what)) = (basis.name, basis.shape_name());
@@ -93,7 +97,8 @@ pub fn module(policy: &Policy, precision: Precision) -> String {
         }
         text += "];\n";
     }
-    let built: String = (0..axes).map(|i| AXIS.replace("[I]", &format!("[{i}]"))).collect();
+    let axis = AXIS.replace("LAW_HERE", law);
+    let built: String = (0..axes).map(|i| axis.replace("[I]", &format!("[{i}]"))).collect();
     let made = bases.iter().map(|basis| {
         let upper = basis.name.to_uppercase();
         match basis.overlap {

@@ -3,7 +3,7 @@
 use hpf_core::controller::{Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 
 pub const N: usize = 20;
 
@@ -29,6 +29,7 @@ pub fn skill<T: Real, const D: usize>(family: Family) -> HybridPrimitive<T, [T; 
         movement: Movement::new(T::ZERO, T::ONE, T::of(25.0), T::ONE, list(50.0, 0.0)).unwrap(),
         stiffness: Gain::new(T::of(30.0), T::of(400.0), list(150.0, 200.0)).unwrap(),
         damping: Gain::new(T::of(10.0), T::of(100.0), list(30.0, 50.0)).unwrap(),
+        law: Law::FirstOrder,
     };
     HybridPrimitive::new(Phase::new(T::of(2.0), T::of(4.605_17)).unwrap(), [basis(family); 3], [axis; D]).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use hpf_core::controller::{Controller, Input, Settings};
 use hpf_core::limits::Limits;
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Law, Movement, Phase};
 
 /// A controller of one axis for a robot at 0 m.
 pub fn arm() -> Result<Controller<f64, [f64; 5], 1>, ConfigError> {
@@ -12,6 +12,7 @@ pub fn arm() -> Result<Controller<f64, [f64; 5], 1>, ConfigError> {
         movement: Movement::new(0.0, 0.3, 25.0, 0.3, [-20.0, -10.0, 20.0, 40.0, 0.0])?,
         stiffness: Gain::new(30.0, 400.0, [50.0, 100.0, 200.0, 300.0, 400.0])?,
         damping: Gain::new(10.0, 100.0, [20.0; 5])?,
+        law: Law::FirstOrder,
     };
     let limits = Limits { force: 40.0, offset: 0.1, velocity: 0.5, acceleration: 5.0, position: [-0.1, 0.5] };
     Controller::new(HybridPrimitive::new(phase, [basis; 3], [axis])?, Settings::compliant([limits]), [0.0])

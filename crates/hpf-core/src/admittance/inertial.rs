@@ -72,18 +72,21 @@ impl<T: Real> Inertial<T> {
         // Of a tool in contact: that of the environment is in them, which is bounded by the reach alone.
         error::within("stiffness", stiffness, 0.0, f64::INFINITY)?;
         error::within("damping", damping, 0.0, f64::INFINITY)?;
-        let (m, h) = (mass.to_f64(), dt.to_f64());
-        let reach = (damping.to_f64() / m).max(libm::sqrt(stiffness.to_f64() / m)) * h;
-        let halvings = (0..=MOST_HALVINGS).find(|&n| libm::scalbn(SERIES_UP_TO, n.cast_signed()) >= reach);
-        match halvings {
-            Some(halvings) => Ok(Self { mass, halvings }),
-            None => Err(ConfigError::OutOfRange {
-                field: "max(damping/mass, sqrt(stiffness/mass)) dt",
-                value: reach,
-                min: 0.0,
-                max: libm::scalbn(SERIES_UP_TO, MOST_HALVINGS.cast_signed()),
-            }),
+        let most = libm::scalbn(SERIES_UP_TO, MOST_HALVINGS.cast_signed());
+        let reach = reach(mass, stiffness, damping, dt);
+        if reach <= most {
+            Ok(Self::at(mass, stiffness, damping, dt))
+        } else {
+            let field = "max(damping/mass, sqrt(stiffness/mass)) dt";
+            Err(ConfigError::OutOfRange { field, value: reach, min: 0.0, max: most })
         }
+    }
+
+    /// The law for gains and a step that [`new`](Self::new) accepts.
+    pub(crate) fn at(mass: T, stiffness: T, damping: T, dt: T) -> Self {
+        let reach = reach(mass, stiffness, damping, dt);
+        let enough = |&n: &u32| libm::scalbn(SERIES_UP_TO, n.cast_signed()) >= reach;
+        Self { mass, halvings: (0..MOST_HALVINGS).find(enough).unwrap_or(MOST_HALVINGS) }
     }
 
     /// Mass m [kg].
@@ -126,4 +129,10 @@ impl<T: Real> Inertial<T> {
         motion.offset = flushed(offset + velocity * g2 + pull * g1);
         motion.velocity = flushed(velocity + (pull - double_a * velocity) * g2 - w2 * velocity * g1);
     }
+}
+
+/// `max(d/m, sqrt(k/m)) h`: how far a step reaches in the time of the law [1].
+fn reach<T: Real>(mass: T, stiffness: T, damping: T, dt: T) -> f64 {
+    let m = mass.to_f64();
+    (damping.to_f64() / m).max(libm::sqrt(stiffness.to_f64() / m)) * dt.to_f64()
 }

@@ -71,7 +71,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         if self.pace.dt != dt {
             (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
-            self.pace.spends = (dt / timing.ramp).at_most(T::ONE);
+            // Without its sign: a ramp of -0 is one of 0.
+            self.pace.spends = (dt / timing.ramp).abs().at_most(T::ONE);
         }
         conditioning.settle(&mut self.force, compensated, self.pace.settled)
     }
@@ -206,8 +207,9 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if self.last.mode != Mode::Run || lost {
             rate = T::ZERO;
         }
-        if rate != self.last.rate {
-            let change = dt / self.settings.timing.ramp;
+        // A path at rest at its start begins at any rate without a jump; only under way a change needs the ramp.
+        if rate != self.last.rate && self.last.phase < T::ONE {
+            let change = (dt / self.settings.timing.ramp).abs();
             rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
         }
         if lost && rate <= T::ZERO {

@@ -26,8 +26,6 @@ pub struct Settings<T, const D: usize> {
 pub struct AxisSettings<T> {
     /// What it does with force.
     pub compliance: Compliance<T>,
-    /// By which law it gives way.
-    pub law: Law<T>,
     /// What a command never exceeds.
     pub limits: Limits<T>,
     /// Compensated force above which the controller stops [N].
@@ -48,40 +46,14 @@ pub enum Compliance<T> {
     Press(T),
 }
 
-/// By which law an axis gives way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law<T> {
-    /// `d e' + k e = f`, damping from its primitive.
-    FirstOrder,
-    /// `m e'' + d e' + k e = f`.
-    SecondOrder {
-        /// Virtual mass m [kg].
-        mass: T,
-        /// Where d comes from.
-        damping: Damping<T>,
-    },
-}
-
-/// Where the damping of a second-order axis comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Damping<T> {
-    /// The damping primitive.
-    Primitive,
-    /// `d = max(2 ratio sqrt(m k), floor)`: it follows stiffness, and does not vanish with it.
-    Ratio {
-        /// Damping ratio; 1 is critical.
-        ratio: T,
-        /// Least damping [N s/m].
-        floor: T,
-    },
-}
-
 /// Time and its faults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing<T> {
     /// Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
     pub longest_step: T,
-    /// Time for the rate to go from 0 to 1 or back [s]. At most 10 s: by then a stop is at rest.
+    /// Time for the rate to go from 0 to 1 or back [s], under way: pause, resume, slower, faster; at most 10 s: by then a
+    /// stop is at rest. A start takes none. With 0 the path stops and goes at once; what the limits of acceleration cut off
+    /// that is an offset from the path.
     pub ramp: T,
     /// How long a bad force, measured position or rate may be bridged [s]; see [`faults`](super::faults). At most 1 s.
     pub hold: T,
@@ -89,45 +61,14 @@ pub struct Timing<T> {
     pub oldest_force: u32,
 }
 
-impl<T: Real> Damping<T> {
-    /// Damping [N s/m] for a mass [kg] at `stiffness` [N/m] where the primitive says `primitive` [N s/m].
-    #[inline]
-    pub(super) fn at(self, mass: T, stiffness: T, primitive: T) -> T {
-        match self {
-            Self::Primitive => primitive,
-            Self::Ratio { ratio, floor } => ((ratio + ratio) * (mass * stiffness).sqrt()).max(floor),
-        }
-    }
-}
-
-impl<T: Real + PartialOrd> AxisSettings<T> {
-    /// The second-order law over the gains of `primitives` and steps up to `longest_step` [s], where that is the law.
-    fn inertial<S: AsRef<[T]>>(
-        &self,
-        primitives: &AxisPrimitives<T, S>,
-        longest_step: T,
-    ) -> Result<Option<Inertial<T>>, ConfigError> {
-        let Law::SecondOrder { mass, damping } = self.law else { return Ok(None) };
-        error::size("mass", mass)?;
-        if let Damping::Ratio { ratio, floor } = damping {
-            error::size("damping.ratio", ratio)?;
-            error::size("damping.floor", floor)?;
-        }
-        let stiffness = primitives.stiffness.max();
-        let largest = damping.at(mass, stiffness, primitives.damping.max());
-        Inertial::new(mass, stiffness, largest, longest_step).map(Some)
-    }
-}
-
 impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
-    /// Settings to start from: every axis gives way by the first-order law, readings are taken as they are, no tank.
+    /// Settings to start from: every axis gives way by the law of its skill, readings are taken as they are, no tank.
     ///
     /// Trips at twice the force limit and where the robot is off by the offset limit; steps up to 10 ms, a ramp of
     /// 0.2 s, and for 20 ms the last good force stands in for one that is bad or more than 4 steps old.
     pub fn compliant(limits: [Limits<T>; D]) -> Self {
         let axis = |limits: Limits<T>| AxisSettings {
             compliance: Compliance::Compliant,
-            law: Law::FirstOrder,
             limits,
             trip_force: limits.force + limits.force,
             tracking: limits.offset,
@@ -141,7 +82,7 @@ impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
         }
     }
 
-    /// Checks every value; returns the second-order law of each axis that has one.
+    /// Checks every value; returns the second-order step of each axis that has one.
     pub(super) fn laws<S: AsRef<[T]>>(
         &self,
         primitives: &[AxisPrimitives<T, S>; D],
@@ -149,7 +90,6 @@ impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
         let Timing { longest_step, ramp, hold, .. } = self.timing;
         error::positive("timing.longest_step", longest_step)?;
         error::within("timing.longest_step", longest_step, SHORTEST_STEP, LONGEST_STEP)?;
-        error::positive("timing.ramp", ramp)?;
         error::within("timing.ramp", ramp, 0.0, LONGEST_RAMP)?;
         error::within("timing.hold", hold, 0.0, LONGEST_HOLD)?;
         self.conditioning.check()?;
@@ -162,7 +102,7 @@ impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
                 let largest = axis.limits.force.to_f64();
                 error::within("press", setpoint, -largest, largest)?;
             }
-            *law = axis.inertial(primitives, longest_step)?;
+            *law = primitives.law.inertial(primitives.stiffness.max(), primitives.damping.max(), longest_step)?;
         }
         Ok(laws)
     }

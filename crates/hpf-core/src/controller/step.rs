@@ -1,7 +1,7 @@
 //! One step of a controller: rate, reference, offset, limits and the books of energy.
 
 use super::reference::Course;
-use super::{Compliance, Controller, Input, Law, Mode};
+use super::{Compliance, Controller, Input, Mode};
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
 use crate::compensated::accumulate_phase;
 use crate::controller::AxisOutput;
@@ -73,7 +73,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let mut short = false;
         let parts = next.iter_mut().zip(&self.axes).zip(&mut self.last.axes).zip(&self.settings.axes);
         let profiles = self.skill.at(middle);
-        for (((((next, state), command), settings), &force), profile) in parts.zip(&force).zip(&profiles) {
+        let parts = parts.zip(&force).zip(&profiles).zip(self.skill.axes());
+        for ((((((next, state), command), settings), &force), profile), primitives) in parts {
             let (sensed, strong) = cut(force, T::ZERO, settings.limits.force);
             let force = if settings.compliance == Compliance::Rigid { T::ZERO } else { sensed };
             let stiffness = tank.map_or(profile.stiffness, |tank| {
@@ -81,10 +82,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 tank.stiffness(energy, command.stiffness, profile.stiffness, offset, dt)
             });
             short |= stiffness < profile.stiffness;
-            let damping = match (settings.law, &state.law) {
-                (Law::SecondOrder { damping, .. }, Some(law)) => damping.at(law.mass(), stiffness, profile.damping),
-                _ => profile.damping,
-            };
+            let damping = primitives.law.damping(stiffness, profile.damping);
             (command.force, command.stiffness, command.damping) = (force, stiffness, damping);
             command.hits = Hits::default();
             if strong {

@@ -3,7 +3,7 @@
 
 use hpf_core::controller::{Controller, Input, Output, Request, Settings};
 use hpf_core::limits::Limits;
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 
 pub const N: usize = 8;
 pub const DT: f64 = 1e-3;
@@ -19,7 +19,31 @@ impl Family {
     pub const ALL: [Self; 2] = [Self::Phase, Self::Time];
 }
 
-pub fn skill<T: Real, const D: usize>(family: Family, duration: f64) -> HybridPrimitive<T, [T; N], D> {
+/// Of what kind a skill is.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    pub family: Family,
+    pub law: Law<f64>,
+}
+
+impl From<Family> for Kind {
+    fn from(family: Family) -> Self {
+        Self { family, law: Law::FirstOrder }
+    }
+}
+
+pub fn skill<T: Real, const D: usize>(kind: impl Into<Kind>, duration: f64) -> HybridPrimitive<T, [T; N], D> {
+    let Kind { family, law } = kind.into();
+    let law = match law {
+        Law::FirstOrder => Law::FirstOrder,
+        Law::SecondOrder { mass, damping } => Law::SecondOrder {
+            mass: T::of(mass),
+            damping: match damping {
+                Damping::Primitive => Damping::Primitive,
+                Damping::Ratio { ratio, floor } => Damping::Ratio { ratio: T::of(ratio), floor: T::of(floor) },
+            },
+        },
+    };
     let decay = T::of(4.605_17);
     let (overlap, room) = (T::of(0.6), [T::ZERO; N]);
     let basis = match family {
@@ -40,6 +64,7 @@ pub fn skill<T: Real, const D: usize>(family: Family, duration: f64) -> HybridPr
             .unwrap(),
             stiffness: Gain::new(T::of(30.0), T::of(400.0), list(&|t| 60.0 + 300.0 * t * t)).unwrap(),
             damping: Gain::new(T::of(10.0), T::of(100.0), list(&|t| 30.0 + 40.0 * t)).unwrap(),
+            law,
         }
     });
     HybridPrimitive::new(Phase::new(T::of(duration), decay).unwrap(), [basis; 3], axes).unwrap()
@@ -73,13 +98,13 @@ pub struct Rig<T, const D: usize> {
 }
 
 impl<T: Real + PartialOrd, const D: usize> Rig<T, D> {
-    pub fn new(family: Family, settings: Settings<T, D>, duration: f64) -> Self {
-        let controller = Controller::new(skill(family, duration), settings, [T::ZERO; D]).unwrap();
+    pub fn new(kind: impl Into<Kind>, settings: Settings<T, D>, duration: f64) -> Self {
+        let controller = Controller::new(skill(kind, duration), settings, [T::ZERO; D]).unwrap();
         Self { controller, input: input([0.0; D]), dt: DT }
     }
 
-    pub fn started(family: Family, settings: Settings<T, D>, duration: f64) -> Self {
-        let mut rig = Self::new(family, settings, duration);
+    pub fn started(kind: impl Into<Kind>, settings: Settings<T, D>, duration: f64) -> Self {
+        let mut rig = Self::new(kind, settings, duration);
         rig.ask(Request::Start);
         rig
     }

@@ -12,7 +12,8 @@
 //! Deflection under the tool at x: `tip_load` `F x^2 (3 l - x)/(6 E I)` (the paper's Eq. 25: the shape of a beam loaded
 //! at its tip), `moving_load` `F x^3/(3 E I)` (a tool that presses AT x). They meet only at 0 and l.
 //! Contact: compliances in series, `1/K_e = n(x)/F + 1/k_c`; at the clamp only the contact itself yields.
-//! The movement starts in contact equilibrium at x = 0: the tool has already pressed by F/k_c.
+//! The movement starts in contact equilibrium at x = `from`: the axis starts on the surface that the force has bent there
+//! by n(from), and the tool, its reference with it, has already pressed by F/k_c.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,10 @@ pub struct Cantilever {
     /// How the tool moves along the beam.
     #[serde(default)]
     pub travel: Travel,
+    /// Where along the beam the tool starts, from the clamp on [m]: less than the length.
+    #[serde(default)]
+    #[schemars(range(min = 0))]
+    pub from: f64,
 }
 
 fn default_contact_stiffness() -> f64 {
@@ -67,7 +72,7 @@ pub enum Curve {
     MovingLoad,
 }
 
-/// How the tool moves along the beam, from the clamp to the tip over the duration.
+/// How the tool moves along the beam, from its start to the tip over the duration.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Travel {
@@ -113,24 +118,24 @@ impl Cantilever {
     pub fn travel_at(&self, progress: f64) -> f64 {
         let progress = progress.min(1.0);
         match self.travel {
-            Travel::MinimumJerk => self.length * minimum_jerk(progress),
-            Travel::Linear => self.length * progress,
+            Travel::MinimumJerk => self.from + (self.length - self.from) * minimum_jerk(progress),
+            Travel::Linear => self.from + (self.length - self.from) * progress,
         }
     }
 
-    /// The beam under the tool at `progress` = t/T, its undeformed surface at `start` [m].
+    /// The beam under the tool at `progress` = t/T; bent by the force where the tool starts, its surface is at `start` [m].
     pub fn surface(&self, progress: f64, start: f64) -> Surface {
         let deflection = self.deflection(self.travel_at(progress));
         Surface {
             direction: 1.0,
-            position: start,
+            position: start - self.deflection(self.from),
             stiffness: 1.0 / (deflection / self.force + 1.0 / self.contact_stiffness),
             deflection,
             set_point: self.force,
         }
     }
 
-    /// Where the pressing tool rests at the beginning [m].
+    /// Where the pressing tool rests at the beginning, its reference with it [m].
     pub fn initial_position(&self, start: f64) -> f64 {
         start + self.force / self.contact_stiffness
     }
@@ -151,6 +156,7 @@ mod tests {
             force: 10.0,
             contact_stiffness: 1e6,
             travel,
+            from: 0.0,
         }
     }
 

@@ -35,7 +35,7 @@ pub(super) fn repeated(model: SignalModel, draws: usize) -> SignalModel {
 }
 
 /// Adds `cost` to `mean`, over `count` motions; the first of them sets it.
-fn add_mean(mean: &mut Cost, cost: &Cost, first: bool, count: usize) {
+pub(super) fn add_mean(mean: &mut Cost, cost: &Cost, first: bool, count: usize) {
     let share = 1.0 / count as f64;
     if first {
         mean.running.clear();

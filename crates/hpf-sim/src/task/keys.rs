@@ -54,9 +54,9 @@ impl<'a> Document<'a> {
     }
 
     /// All mistakes of keys, types and ranges.
-    pub(super) fn check_against(&self, schema: &Schema) -> Vec<Diagnostic> {
+    pub(super) fn check_against(&self, schema: &Schema, whole: &str) -> Vec<Diagnostic> {
         let mut walk = Walk { definitions: &schema["$defs"], found: Vec::new() };
-        walk.table(schema, self.root.get_ref(), 0..0, "the task");
+        walk.table(schema, self.root.get_ref(), 0..0, whole);
         walk.found
     }
 

@@ -11,7 +11,7 @@ use super::{
     Diagnostic, Environment, Gain, MAX_AXES, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling,
     PerAxis, Scaling, Task, Unit, ViaPoint,
 };
-use crate::environment::{Distribution, Quantity};
+use crate::environment::{Contact, Distribution, Quantity};
 
 /// Most steps that a reading may be old.
 const MAX_DELAY_STEPS: f64 = 1000.0;
@@ -278,6 +278,12 @@ impl Rules<'_, '_, '_> {
                 let help = format!("at most {MAX_DELAY_STEPS} steps: a shorter delay, or a lower rate");
                 self.say("sensor.delay", format!("a reading {} steps old", plain(steps.round())), help);
             }
+        }
+        if let Some(Contact::Cantilever(beam)) = &self.task.contact
+            && beam.from >= beam.length
+        {
+            let help = format!("`from` must be less than `length`, {}", plain(beam.length));
+            self.say("contact.from", "the tool starts beyond the tip", help);
         }
         let touched = self.task.contact.as_ref().and_then(|contact| self.task.axis_index(contact.axis()));
         if touched.is_some_and(|axis| self.task.axis[axis].unit == Unit::Rad) {

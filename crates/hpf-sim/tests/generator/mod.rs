@@ -210,6 +210,7 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
             text.key("force", dice.wide(0.1, 100.0));
             text.maybe(dice, "contact_stiffness", |dice| dice.wide(1.0, 1e12));
             text.maybe(dice, "travel", |dice| dice.name(&["minimum_jerk", "linear"]));
+            text.maybe(dice, "from", |dice| dice.within(0.0, 0.04));
         } else {
             text.key("kind", "\"wall\"");
             text.key("position", dice.within(-2.0, 2.0));

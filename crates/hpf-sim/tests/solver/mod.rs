@@ -27,7 +27,7 @@ pub fn solve(policy: &Policy, axis: &AxisPolicy, load: &Load, samples: usize, fi
     let acceleration =
         |x: f64, v: f64, f: f64| (m.alpha * (m.beta * (axis.goal - x) - duration * v) + f) / (duration * duration);
     let third = duration / (samples * finer * 3) as f64;
-    let mut reference = [axis.start, 0.0];
+    let mut reference = [load.start, 0.0];
     let mut force_now = forcing(0.0);
     // One step of Runge-Kutta 4 over a third of the tool's step: the stages of the tool lie on its ends.
     let mut advance = |reference: &mut [f64; 2], t: f64| {

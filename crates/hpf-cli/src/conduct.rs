@@ -1,0 +1,159 @@
+//! What the real controller did in a run: a table by step, lines for the terminal, an object for programs.
+
+use core::fmt::Write as _;
+
+use hpf_core::controller::{Mode, Status};
+use hpf_core::limits::Hits;
+use hpf_sim::robot::{Conduct, Settings, Tally};
+use hpf_sim::task::Task;
+use serde_json::{Value, json};
+
+use crate::render::number;
+
+/// A run of the controller: in the motion that is shown, and in numbers over all motions.
+pub struct Controlled {
+    /// What it was told.
+    pub settings: Settings,
+    /// The text of the settings file, where there was one.
+    pub text: Option<String>,
+    /// What it did in the motion that is shown.
+    pub conduct: Conduct,
+    /// What it did in all motions that the policy is measured by.
+    pub tally: Tally,
+}
+
+/// The name of a mode.
+fn mode(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Idle => "idle",
+        Mode::Run => "run",
+        Mode::Hold => "hold",
+        Mode::Stop => "stop",
+        Mode::Fault => "fault",
+    }
+}
+
+/// Names of what is set, joined by `+`.
+fn joined<const N: usize>(flags: [(bool, &str); N]) -> String {
+    let set: Vec<&str> = flags.into_iter().filter_map(|(is_set, name)| is_set.then_some(name)).collect();
+    set.join("+")
+}
+
+fn flags(status: &Status) -> String {
+    joined([
+        (status.ended, "ended"),
+        (status.bad_time, "bad_time"),
+        (status.long_time, "long_time"),
+        (status.bad_force, "bad_force"),
+        (status.force_lost, "force_lost"),
+        (status.position_lost, "position_lost"),
+        (status.rate_lost, "rate_lost"),
+        (status.time_lost, "time_lost"),
+        (status.bad_input, "bad_input"),
+        (status.refused, "refused"),
+        (status.force_tripped, "force_tripped"),
+        (status.tracking_tripped, "tracking_tripped"),
+        (status.energy_short, "energy_short"),
+    ])
+}
+
+fn cut(hits: &Hits) -> String {
+    let set = [hits.force, hits.offset, hits.velocity, hits.acceleration, hits.position];
+    let mut names = Tally::LIMITS.into_iter();
+    joined(set.map(|is_set| (is_set, names.next().unwrap_or_default())))
+}
+
+impl Controlled {
+    /// The text of `controller.csv`: one row per step, at its end.
+    pub fn csv(&self, task: &Task, time: &[f64]) -> String {
+        let axes: Vec<String> = task.axis.iter().map(|axis| format!("{}_limits", axis.name)).collect();
+        let mut text = format!("time_s,mode,rate,energy_j,events,{}\n", axes.join(","));
+        let conduct = &self.conduct;
+        for (i, time) in time.iter().skip(1).enumerate() {
+            let hits: Vec<String> = conduct.hits[i].iter().map(cut).collect();
+            let (rate, energy, events) = (conduct.rate[i], conduct.energy[i], flags(&conduct.status[i]));
+            let _ =
+                writeln!(text, "{time:?},{},{rate:?},{energy:?},{events},{}", mode(conduct.mode[i]), hits.join(","));
+        }
+        text
+    }
+
+    /// Times and modes they led to, of the motion that is shown.
+    fn changes(&self, time: &[f64]) -> Vec<(f64, &'static str)> {
+        self.conduct
+            .changes()
+            .into_iter()
+            .map(|(step, to)| (time.get(step).copied().unwrap_or(0.0), mode(to)))
+            .collect()
+    }
+
+    /// Lines for the terminal.
+    pub fn render(&self, time: &[f64]) -> String {
+        let tally = &self.tally;
+        let changes: Vec<String> =
+            self.changes(time).into_iter().map(|(time, mode)| format!("{mode} at {} s", number(time))).collect();
+        let mut text = format!("\ncontroller\n  modes          {}\n", changes.join(", "));
+        if tally.motions > 1 {
+            let _ = writeln!(
+                text,
+                "  motions        {}, {} ended, {} in stop, {} in fault",
+                tally.motions, tally.ended, tally.stopped, tally.faulted
+            );
+        } else if tally.ended == 0 {
+            text += "  the movement did not come to its end\n";
+        }
+        let hits: Vec<String> = Tally::LIMITS
+            .iter()
+            .zip(tally.hits)
+            .filter(|(_, steps)| *steps > 0)
+            .map(|(name, steps)| format!("{name} in {steps} of {} steps", tally.steps))
+            .collect();
+        let _ = writeln!(
+            text,
+            "  limits         {}",
+            if hits.is_empty() { "none was hit".into() } else { hits.join(", ") }
+        );
+        if let Some(tank) = &self.settings.tank {
+            let _ = writeln!(
+                text,
+                "  tank           at least {} of {} J, held back in {} steps",
+                number(tally.least_energy),
+                number(tank.capacity),
+                tally.short
+            );
+        }
+        let [force, input, time] = tally.bad;
+        let counts = [
+            ("bad forces", force),
+            ("bad inputs", input),
+            ("bad times", time),
+            ("requests refused", tally.refused),
+            ("trips", tally.trips),
+            ("faults", tally.faults),
+        ];
+        let counts: Vec<String> =
+            counts.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!("{count} {name}")).collect();
+        let _ =
+            writeln!(text, "  faults         {}", if counts.is_empty() { "none".into() } else { counts.join(", ") });
+        text
+    }
+
+    /// The same for programs.
+    pub fn to_json(&self, time: &[f64]) -> Value {
+        let tally = &self.tally;
+        let changes = self.changes(time).into_iter().map(|(time, mode)| json!({ "time_s": time, "mode": mode }));
+        let hits: serde_json::Map<String, Value> =
+            Tally::LIMITS.iter().zip(tally.hits).map(|(name, steps)| ((*name).to_owned(), json!(steps))).collect();
+        let [force, input, time] = tally.bad;
+        json!({
+            "modes": changes.collect::<Vec<_>>(),
+            "steps": tally.steps, "motions": tally.motions, "ended": tally.ended,
+            "in_stop": tally.stopped, "in_fault": tally.faulted,
+            "limited_steps": hits,
+            "energy_short_steps": tally.short,
+            "least_energy_j": self.settings.tank.as_ref().map(|_| tally.least_energy),
+            "bad_forces": force, "bad_inputs": input, "bad_times": time,
+            "requests_refused": tally.refused, "trips": tally.trips, "faults": tally.faults,
+        })
+    }
+}

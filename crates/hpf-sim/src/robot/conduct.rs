@@ -1,0 +1,124 @@
+//! What a controller did, besides moving the tool.
+
+use hpf_core::controller::{Counters, Mode, Output, Status};
+use hpf_core::limits::Hits;
+
+/// What a controller did in one motion: one entry per step, and what it has counted.
+#[derive(Clone, Debug, Default)]
+pub struct Conduct {
+    /// The mode after each step.
+    pub mode: Vec<Mode>,
+    /// Rate of time along the path in each step.
+    pub rate: Vec<f64>,
+    /// Energy in the tank after each step [J]; zero without one.
+    pub energy: Vec<f64>,
+    /// What has happened in each step.
+    pub status: Vec<Status>,
+    /// Limits that have cut the command of each axis, by step, then by axis.
+    pub hits: Vec<Vec<Hits>>,
+    /// What was counted.
+    pub counters: Counters,
+}
+
+/// What a controller did over one motion, or over several, in numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Steps in all.
+    pub steps: usize,
+    /// Motions, and those among them whose movement came to its end.
+    pub motions: usize,
+    /// Motions whose movement came to its end.
+    pub ended: usize,
+    /// Motions that ended in Stop and in Fault.
+    pub stopped: usize,
+    /// Motions that ended in Fault.
+    pub faulted: usize,
+    /// Steps in which a limit has cut a command: force, offset, velocity, acceleration, workspace.
+    pub hits: [usize; 5],
+    /// Steps in which the tank held something back.
+    pub short: usize,
+    /// Least energy in the tank [J].
+    pub least_energy: f64,
+    /// Requests refused.
+    pub refused: u64,
+    /// Steps with a bad force, a bad input, and a time that was bad or too long.
+    pub bad: [u64; 3],
+    /// Forces above their trip level and robots that did not follow.
+    pub trips: u64,
+    /// Entries into Fault.
+    pub faults: u64,
+}
+
+impl Tally {
+    /// What the hits are of, in their order.
+    pub const LIMITS: [&'static str; 5] = ["force", "offset", "velocity", "acceleration", "position"];
+
+    /// Adds what was done in another motion.
+    pub fn add(&mut self, other: &Self) {
+        let first = self.motions == 0;
+        self.steps += other.steps;
+        self.motions += other.motions;
+        self.ended += other.ended;
+        self.stopped += other.stopped;
+        self.faulted += other.faulted;
+        self.hits.iter_mut().zip(other.hits).for_each(|(sum, hits)| *sum += hits);
+        self.short += other.short;
+        self.least_energy = if first { other.least_energy } else { self.least_energy.min(other.least_energy) };
+        self.refused += other.refused;
+        self.bad.iter_mut().zip(other.bad).for_each(|(sum, bad)| *sum += bad);
+        self.trips += other.trips;
+        self.faults += other.faults;
+    }
+}
+
+impl Conduct {
+    /// Takes what a step came to.
+    pub(crate) fn take<const D: usize>(&mut self, output: &Output<f64, D>) {
+        self.mode.push(output.mode);
+        self.rate.push(output.rate);
+        self.energy.push(output.energy);
+        self.status.push(output.status);
+        self.hits.push(output.axes.iter().map(|axis| axis.hits).collect());
+    }
+
+    /// In numbers.
+    pub fn tally(&self) -> Tally {
+        let of = |hits: &Hits| [hits.force, hits.offset, hits.velocity, hits.acceleration, hits.position];
+        let mut cut = [0; 5];
+        for step in &self.hits {
+            for (i, cut) in cut.iter_mut().enumerate() {
+                *cut += usize::from(step.iter().any(|hits| of(hits)[i]));
+            }
+        }
+        let (last, counters) = (self.mode.last(), &self.counters);
+        Tally {
+            steps: self.mode.len(),
+            motions: 1,
+            ended: usize::from(self.status.iter().any(|status| status.ended)),
+            stopped: usize::from(last == Some(&Mode::Stop)),
+            faulted: usize::from(last == Some(&Mode::Fault)),
+            hits: cut,
+            short: self.status.iter().filter(|status| status.energy_short).count(),
+            least_energy: self.energy.iter().copied().reduce(f64::min).unwrap_or(0.0),
+            refused: counters.refused.into(),
+            bad: [
+                counters.bad_force.into(),
+                counters.bad_input.into(),
+                u64::from(counters.bad_time) + u64::from(counters.long_time),
+            ],
+            trips: counters.trips.into(),
+            faults: counters.faults.into(),
+        }
+    }
+
+    /// The modes in their order, each with the step after which it holds.
+    pub fn changes(&self) -> Vec<(usize, Mode)> {
+        let mut changes: Vec<(usize, Mode)> = Vec::new();
+        for (step, &mode) in self.mode.iter().enumerate() {
+            if changes.last().is_none_or(|(_, last)| *last != mode) {
+                changes.push((step, mode));
+            }
+        }
+        changes
+    }
+}

@@ -1,0 +1,353 @@
+//! The settings file of `hpf run --controller`: everything beside the skill, and what is asked of the controller when.
+
+use core::array;
+
+use hpf_core::ConfigError;
+use hpf_core::conditioning::ForceConditioning;
+use hpf_core::controller::{self as control, AxisSettings, Compliance};
+use hpf_core::limits;
+use hpf_core::passivity::EnergyTank;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::task::{self, Diagnostic, PerAxis};
+
+/// A number of the controller that nothing reaches: what is not limited.
+const WIDE: f64 = 1e6;
+
+/// The settings of a controller in a task; what is left out is not limited, not guarded and not asked for.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Settings {
+    /// What each axis does with force, one for all or one per axis; left out, it gives way, and presses where the task has
+    /// a contact with a force.
+    pub compliance: Option<PerAxisKind>,
+    /// Force on the environment of axes that press [N]; left out, that of the task's contact.
+    pub press: Option<PerAxis>,
+    /// Whether the robot's position goes into the controller, which then stops where the robot does not follow.
+    pub watch_position: bool,
+    /// What a command never exceeds.
+    pub limits: Limits,
+    /// Where the controller stops.
+    pub trips: Trips,
+    /// From the sensor's reading to the force that the model sees.
+    pub readings: Readings,
+    /// Guard of passivity, if there is one.
+    pub tank: Option<Tank>,
+    /// Time and its faults.
+    pub timing: Timing,
+    /// What is asked for, and when; a movement that nobody starts starts at once.
+    #[schemars(length(max = 1000))]
+    pub request: Vec<TimedRequest>,
+}
+
+/// One kind for all axes, or one per axis.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum PerAxisKind {
+    /// The same for all.
+    All(Kind),
+    /// One per axis.
+    Each(#[schemars(length(min = 1, max = 7))] Vec<Kind>),
+}
+
+/// What an axis does with force.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Gives way by the law of the skill.
+    Compliant,
+    /// Gives way and presses.
+    Press,
+    /// Follows the reference.
+    Rigid,
+}
+
+/// What a command never exceeds; a number for all axes or one per axis.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Limits {
+    /// Largest force that enters the model [N].
+    pub force: Option<PerAxis>,
+    /// Largest offset from the reference [m].
+    pub offset: Option<PerAxis>,
+    /// Largest commanded velocity [m/s].
+    pub velocity: Option<PerAxis>,
+    /// Largest change of the commanded velocity [m/s^2].
+    pub acceleration: Option<PerAxis>,
+    /// Smallest commanded position [m].
+    pub position_min: Option<PerAxis>,
+    /// Largest commanded position [m].
+    pub position_max: Option<PerAxis>,
+}
+
+/// Where the controller stops; a number for all axes or one per axis.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Trips {
+    /// At a larger force [N].
+    pub force: Option<PerAxis>,
+    /// At a larger distance between command and robot [m].
+    pub tracking: Option<PerAxis>,
+}
+
+/// From the sensor's reading to the force that the model sees.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Readings {
+    /// Mass that hangs on the sensor [kg].
+    #[schemars(range(min = 0))]
+    pub tool_mass: f64,
+    /// Gravity along each axis [m/s^2].
+    pub gravity: PerAxis,
+    /// Cut-off of the force filter [Hz]; left out, no filter.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub cutoff: Option<f64>,
+    /// Half width of the dead zone [N].
+    pub dead_zone: PerAxis,
+}
+
+impl Default for Readings {
+    fn default() -> Self {
+        Self { tool_mass: 0.0, gravity: PerAxis::All(0.0), cutoff: None, dead_zone: PerAxis::All(0.0) }
+    }
+}
+
+/// Guard of passivity.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[schemars(deny_unknown_fields)]
+pub struct Tank {
+    /// The most it holds, and what it starts with [J].
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub capacity: f64,
+    /// What switching leaves in it [J].
+    #[serde(default)]
+    #[schemars(range(min = 0))]
+    pub reserve: f64,
+    /// Share of what is dissipated that comes back.
+    #[serde(default)]
+    #[schemars(range(min = 0, max = 1))]
+    pub refill: f64,
+    /// The most that switching may put into one axis [W].
+    #[serde(default = "default_power")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub power: f64,
+}
+
+fn default_power() -> f64 {
+    100.0
+}
+
+/// Time and its faults.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Timing {
+    /// Time for the rate to go from 0 to 1 or back under way [s].
+    #[schemars(range(min = 0))]
+    pub ramp: f64,
+    /// How long the last good force may stand in for a bad one [s].
+    #[schemars(range(min = 0))]
+    pub hold: f64,
+    /// Oldest reading that is still good [steps].
+    pub oldest_force: u32,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self { ramp: 0.2, hold: 0.02, oldest_force: 4 }
+    }
+}
+
+/// A request and its time.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum TimedRequest {
+    /// Start the movement.
+    Start(At),
+    /// Pause on the path.
+    Hold(At),
+    /// Go on along the path.
+    Resume(At),
+    /// Come to rest on the path for good.
+    Stop(At),
+    /// Call the present force zero.
+    Tare(At),
+    /// Back to Idle where the robot is.
+    Reset(At),
+    /// Go to another goal.
+    Goal(GoalAt),
+    /// Another rate of time along the path from then on.
+    Rate(RateAt),
+}
+
+/// When.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[schemars(deny_unknown_fields)]
+pub struct At {
+    /// When it is asked for [s].
+    #[schemars(range(min = 0))]
+    pub time: f64,
+}
+
+/// When, and where to.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[schemars(deny_unknown_fields)]
+pub struct GoalAt {
+    /// When it is asked for [s].
+    #[schemars(range(min = 0))]
+    pub time: f64,
+    /// The goal, one number per axis [m].
+    pub position: PerAxis,
+}
+
+/// When, and how fast.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[schemars(deny_unknown_fields)]
+pub struct RateAt {
+    /// When it is asked for [s].
+    #[schemars(range(min = 0))]
+    pub time: f64,
+    /// Rate of time along the path.
+    #[schemars(range(min = 0, max = 1))]
+    pub rate: f64,
+}
+
+impl TimedRequest {
+    /// When it is asked for [s].
+    pub fn time(&self) -> f64 {
+        match self {
+            Self::Start(at) | Self::Hold(at) | Self::Resume(at) | Self::Stop(at) | Self::Tare(at) | Self::Reset(at) => {
+                at.time
+            }
+            Self::Goal(at) => at.time,
+            Self::Rate(at) => at.time,
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            compliance: None,
+            press: None,
+            watch_position: true,
+            limits: Limits::default(),
+            trips: Trips::default(),
+            readings: Readings::default(),
+            tank: None,
+            timing: Timing::default(),
+            request: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Reads a settings file for a task of `axes` axes.
+    ///
+    /// # Errors
+    /// Every mistake of keys, types, ranges and lengths with its place, in the order of the text.
+    pub fn parse(text: &str, axes: usize) -> Result<Self, Vec<Diagnostic>> {
+        task::read(text, &Self::schema(), "the settings", |settings: &Self, say| settings.check(axes, say))
+    }
+
+    /// The JSON schema of the settings file.
+    pub fn schema() -> serde_json::Value {
+        serde_json::Value::from(schemars::schema_for!(Self))
+    }
+
+    /// Lists of a wrong length.
+    fn check(&self, axes: usize, say: &mut dyn FnMut(&str, String, String)) {
+        let mut length = |path: &str, count: Option<usize>| {
+            if let Some(count) = count.filter(|count| *count != axes) {
+                say(path, format!("{count} entries for {axes} axes"), "one value for all axes, or one for each".into());
+            }
+        };
+        length(
+            "compliance",
+            match &self.compliance {
+                Some(PerAxisKind::Each(each)) => Some(each.len()),
+                _ => None,
+            },
+        );
+        let Limits { force, offset, velocity, acceleration, position_min, position_max } = &self.limits;
+        for (path, numbers) in [
+            ("press", &self.press),
+            ("limits.force", force),
+            ("limits.offset", offset),
+            ("limits.velocity", velocity),
+            ("limits.acceleration", acceleration),
+            ("limits.position_min", position_min),
+            ("limits.position_max", position_max),
+            ("trips.force", &self.trips.force),
+            ("trips.tracking", &self.trips.tracking),
+        ] {
+            length(path, numbers.as_ref().and_then(PerAxis::count));
+        }
+        length("readings.gravity", self.readings.gravity.count());
+        length("readings.dead_zone", self.readings.dead_zone.count());
+        for (i, request) in self.request.iter().enumerate() {
+            if let TimedRequest::Goal(goal) = request {
+                length(&format!("request.{i}.position"), goal.position.count());
+            }
+        }
+    }
+
+    /// As a controller takes them, where axis a is to press with `push` on its environment [N] and steps take `dt` [s].
+    pub(crate) fn controller<const D: usize>(
+        &self,
+        push: [f64; D],
+        dt: f64,
+    ) -> Result<control::Settings<f64, D>, ConfigError> {
+        let of = |numbers: &Option<PerAxis>, axis: usize, wide: f64| {
+            numbers.as_ref().map_or(wide, |numbers| numbers.of(axis))
+        };
+        let l = &self.limits;
+        let axes = array::from_fn(|axis| {
+            let press = self.press.as_ref().map_or(push[axis], |press| press.of(axis));
+            let kind = match &self.compliance {
+                Some(PerAxisKind::All(kind)) => *kind,
+                Some(PerAxisKind::Each(kinds)) => kinds[axis],
+                None if press == 0.0 => Kind::Compliant,
+                None => Kind::Press,
+            };
+            AxisSettings {
+                compliance: match kind {
+                    Kind::Rigid => Compliance::Rigid,
+                    Kind::Compliant => Compliance::Compliant,
+                    Kind::Press => Compliance::Press(press),
+                },
+                limits: limits::Limits {
+                    force: of(&l.force, axis, WIDE),
+                    offset: of(&l.offset, axis, WIDE),
+                    velocity: of(&l.velocity, axis, WIDE),
+                    acceleration: of(&l.acceleration, axis, WIDE),
+                    position: [of(&l.position_min, axis, -WIDE), of(&l.position_max, axis, WIDE)],
+                },
+                trip_force: of(&self.trips.force, axis, WIDE),
+                tracking: of(&self.trips.tracking, axis, WIDE),
+            }
+        });
+        let Readings { tool_mass, cutoff, .. } = self.readings;
+        let conditioning = ForceConditioning {
+            tool_mass,
+            gravity: array::from_fn(|axis| self.readings.gravity.of(axis)),
+            cutoff,
+            dead_zone: array::from_fn(|axis| self.readings.dead_zone.of(axis)),
+        };
+        let tank = self.tank.as_ref();
+        let tank =
+            tank.map(|tank| EnergyTank::new(tank.capacity, tank.reserve, tank.refill, tank.power)).transpose()?;
+        let Timing { ramp, hold, oldest_force } = self.timing;
+        Ok(control::Settings {
+            axes,
+            conditioning,
+            tank,
+            timing: control::Timing { longest_step: dt, ramp, hold, oldest_force },
+        })
+    }
+}
