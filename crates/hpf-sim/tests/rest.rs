@@ -90,6 +90,7 @@ fn every_shipped_skill_stays_within_two_millimetres_of_its_goal_after_its_end() 
         ("dmpbbo_via_point", rests::<2>(include_str!("../../../tasks/dmpbbo_via_point.toml"))),
         ("cantilever", rests::<1>(include_str!("../../../tasks/cantilever.toml"))),
         ("cantilever_moving_load", rests::<1>(include_str!("../../../tasks/cantilever_moving_load.toml"))),
+        ("cantilever_robot", rests::<1>(include_str!("../../../tasks/cantilever_robot.toml"))),
         ("wall", rests::<1>(include_str!("../../../tasks/wall.toml"))),
         // In rad.
         ("joint", rests::<1>(include_str!("../../../tasks/joint.toml"))),

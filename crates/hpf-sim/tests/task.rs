@@ -8,6 +8,7 @@ const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const DMPBBO: &str = include_str!("../../../tasks/dmpbbo_via_point.toml");
 const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
 const MOVING_LOAD: &str = include_str!("../../../tasks/cantilever_moving_load.toml");
+const ROBOT_BEAM: &str = include_str!("../../../tasks/cantilever_robot.toml");
 const REACH: &str = include_str!("../../../tasks/reach.toml");
 
 #[test]
@@ -17,6 +18,7 @@ fn every_shipped_task_is_accepted_and_can_be_simulated() {
         (DMPBBO, "dmpbbo_via_point", 2, 75),
         (BEAM, "cantilever", 1, 500),
         (MOVING_LOAD, "cantilever_moving_load", 1, 500),
+        (ROBOT_BEAM, "cantilever_robot", 1, 5000),
         (REACH, "reach", 1, 100),
     ] {
         let task = Task::parse(text).unwrap();

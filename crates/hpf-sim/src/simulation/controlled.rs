@@ -92,7 +92,7 @@ impl Simulation {
         let mut requests = Requests::of(settings);
         let mut conduct = Conduct::default();
         self.record(0, controller.output(), &plants, trace);
-        for i in 0..trace.steps() {
+        for i in 0..trace.time.len() - 1 {
             let before = controller.output().axes.map(|axis| axis.position);
             let request = requests.due(i as f64 * self.dt, position(&plants), 0.5 * self.dt);
             let input = Input {
