@@ -223,15 +223,15 @@ fn filler(upper: &str, scalar: &str) -> String {
     for of in ["stiffness_min", "stiffness_max", "damping_min", "damping_max"] {
         axis += &shown(&format!("axis[a].{of}"));
     }
-    axis += "show(s.axis[a].mass);\n";
+    axis += "show(p.axis[a].mass);\n";
     for name in lists {
         axis += &format!("for (i = 0; i < p.{name}_basis.count; i++) show(p.axis[a].{name}_weights[i]);\n");
     }
     format!(
         "#include <stdio.h>\n#include \"hpf.h\"\n#include \"policy.h\"\n\
          static void show(double x) {{ printf(\"%.17g\\n\", x); }}\n\
-         int main(void) {{\nhpf_{scalar}_policy_t p;\nhpf_{scalar}_settings_t s;\nuint32_t a, i;\n\
-         {upper}_POLICY(p);\nHPF_PREPARE(s);\n{upper}_LAW(s);\n\
+         int main(void) {{\nhpf_{scalar}_policy_t p;\nuint32_t a, i;\n\
+         {upper}_POLICY(p);\n\
          if (p.struct_size != sizeof p || p.abi_version != HPF_ABI_VERSION || p.lists != HPF_LISTS_BORROWED) return 1;\n\
          {text}for (a = 0; a < p.axes; a++) {{\n{axis}}}\nreturn 0; }}\n"
     )

@@ -69,6 +69,11 @@ static const double hpf_reach_damping_max[HPF_REACH_AXES] = {
     100.0,
 };
 
+/* Virtual mass of the admittance of second order [kg or kg m^2], 0: first order, by axis. */
+static const double hpf_reach_mass[HPF_REACH_AXES] = {
+    0.0,
+};
+
 /* Centers of the basis of movement, oldest phase first. */
 static const double hpf_reach_movement_centers[HPF_REACH_MOVEMENT_BASIS] = {
     1.0, 0.7847599703514613, 0.6158482110660264, 0.48329302385717526, 0.3792690190732249,
@@ -170,14 +175,10 @@ static const double hpf_reach_damping_weights[HPF_REACH_AXES][HPF_REACH_DAMPING_
     (policy).axis[0].stiffness_max = hpf_reach_stiffness_max[0]; \
     (policy).axis[0].damping_min = hpf_reach_damping_min[0]; \
     (policy).axis[0].damping_max = hpf_reach_damping_max[0]; \
+    (policy).axis[0].mass = hpf_reach_mass[0]; \
     (policy).axis[0].movement_weights = hpf_reach_movement_weights[0]; \
     (policy).axis[0].stiffness_weights = hpf_reach_stiffness_weights[0]; \
     (policy).axis[0].damping_weights = hpf_reach_damping_weights[0]; \
-  } while (0)
-/* Gives a hpf_f64_settings_t that hpf_f64_compliant has filled the law of this skill. */
-#define HPF_REACH_LAW(settings) \
-  do { \
-    (settings).axis[0].law = HPF_FIRST_ORDER; \
   } while (0)
 
 #endif

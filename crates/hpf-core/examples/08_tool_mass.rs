@@ -1,10 +1,10 @@
 //! A tool of 0.5 kg behind the force sensor, in free air at 1 kHz: how far it swings after a motion of 0.3 m, for a force that
 //! is 0 to 5 steps old, and what helps.
 
-use hpf_core::controller::{Controller, Damping, Input, Law, Request, Settings};
+use hpf_core::controller::{Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::{ForceLoop, Sampling};
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, Law, Movement, Phase};
 
 const DT: f64 = 1e-3;
 const TOOL: f64 = 0.5;
@@ -26,14 +26,14 @@ fn arm(remedy: &Remedy) -> Result<Controller<f64, [f64; 5], 1>, ConfigError> {
         movement: Movement::new(0.0, 0.3, 25.0, 0.3, [0.0; 5])?,
         stiffness: Gain::new(STIFFNESS, STIFFNESS, [STIFFNESS; 5])?,
         damping: Gain::new(remedy.damping, remedy.damping, [remedy.damping; 5])?,
+        law: remedy
+            .mass
+            .map_or(Law::FirstOrder, |mass| Law::SecondOrder { mass, damping: Damping::Primitive }),
     };
     let limits = Limits { force: 40.0, offset: 0.1, velocity: 0.5, acceleration: 1000.0, position: [-0.2, 0.6] };
     let mut settings = Settings::compliant([limits]);
     settings.conditioning.tool_mass = TOOL;
     settings.conditioning.cutoff = remedy.cutoff;
-    if let Some(mass) = remedy.mass {
-        settings.axes[0].law = Law::SecondOrder { mass, damping: Damping::Primitive };
-    }
     Controller::new(HybridPrimitive::new(phase, [basis; 3], [axis])?, settings, [0.0])
 }
 

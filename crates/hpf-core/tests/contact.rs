@@ -4,10 +4,10 @@
 use core::f64::consts::{PI, TAU};
 
 use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{Controller, Damping, Input, Law, Request, Settings};
+use hpf_core::controller::{Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::{Case as Limit, Contact, ForceLoop, Load, Sampling, contact_stiffness_limit};
-use hpf_core::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, Law, Movement, Phase};
 
 const DT: f64 = 1e-3;
 const STIFFNESS: f64 = 200.0;
@@ -258,11 +258,11 @@ fn the_controller_says_which_tool_may_swing() {
             movement: Movement::new(0.0, 0.3, 25.0, 0.3, [0.0; 5]).unwrap(),
             stiffness: Gain::new(STIFFNESS, STIFFNESS, [STIFFNESS; 5]).unwrap(),
             damping: Gain::new(DAMPING, DAMPING, [DAMPING; 5]).unwrap(),
+            law,
         };
         let limits = Limits { force: 40.0, offset: 0.1, velocity: 0.5, acceleration: 1000.0, position: [-0.2, 0.6] };
         let mut settings = Settings::compliant([limits]);
         (settings.conditioning.tool_mass, settings.conditioning.cutoff) = (tool_mass, cutoff);
-        settings.axes[0].law = law;
         let skill = HybridPrimitive::new(phase, [basis; 3], [axis]).unwrap();
         let mut arm = Controller::new(skill, settings, [0.0]).unwrap();
         let (mut readings, mut velocity) = ([0.0; 8], 0.0);

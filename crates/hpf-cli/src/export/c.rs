@@ -114,22 +114,9 @@ fn filler(policy: &Policy, precision: Precision, prefix: &str, upper: &str) -> S
         for (name, ..) in PER_AXIS {
             set(&format!("axis[{axis}].{name}"), &format!("{prefix}_{name}[{axis}]"));
         }
+        set(&format!("axis[{axis}].mass"), &format!("{prefix}_mass[{axis}]"));
         for (name, ..) in WEIGHTS {
             set(&format!("axis[{axis}].{name}_weights"), &format!("{prefix}_{name}_weights[{axis}]"));
-        }
-    }
-    text += "  } while (0)\n";
-    // The law is a setting.
-    let _ = write!(
-        text,
-        "/* Gives a hpf_{scalar}_settings_t that hpf_{scalar}_compliant has filled the law of this skill. */\n\
-         #define {upper}_LAW(settings) \\\n  do {{ \\\n"
-    );
-    for axis in 0..policy.axes.len() {
-        let order = if policy.admittance.mass.is_some() { "SECOND" } else { "FIRST" };
-        let _ = writeln!(text, "    (settings).axis[{axis}].law = HPF_{order}_ORDER; \\");
-        if policy.admittance.mass.is_some() {
-            let _ = writeln!(text, "    (settings).axis[{axis}].mass = {prefix}_mass[{axis}]; \\");
         }
     }
     text + "  } while (0)\n"

@@ -1,8 +1,8 @@
 //! The tool that hangs on the sensor, in the loop through it.
 
-use super::{Compliance, Controller, Law};
-use crate::Real;
+use super::{Compliance, Controller};
 use crate::passivity::safe_tool_mass;
+use crate::{Law, Real};
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Of each axis, whether the tool mass of the settings may oscillate in free air, in a loop of steps of `dt` [s]: it is
@@ -16,16 +16,15 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let settled = conditioning.settled(dt);
         let mut heavy = [false; D];
         for ((heavy, settings), primitives) in heavy.iter_mut().zip(&self.settings.axes).zip(self.skill.axes()) {
-            let law = match settings.law {
+            let mass = match primitives.law {
                 Law::FirstOrder => None,
-                Law::SecondOrder { mass, damping } => Some((mass, damping)),
+                Law::SecondOrder { mass, .. } => Some(mass),
             };
             // Between the ends of stiffness the safe mass lies between those at the ends.
             let [stiffness, least] = [&primitives.stiffness, &primitives.damping];
             *heavy = settings.compliance != Compliance::Rigid
                 && [stiffness.min(), stiffness.max()].into_iter().any(|stiffness| {
-                    let damping = law.map_or(least.min(), |(mass, damping)| damping.at(mass, stiffness, least.min()));
-                    let mass = law.map(|(mass, _)| mass);
+                    let damping = primitives.law.damping(stiffness, least.min());
                     conditioning.tool_mass > safe_tool_mass(mass, stiffness, damping, settled, dt)
                 });
         }
