@@ -161,11 +161,11 @@ impl Fingerprint {
 }
 
 /// What a movement of each family must come to, on every machine: the failing test below prints it.
-pub const GOLDEN: [(Family, u64); 2] = [(Family::Phase, 0x7583_6db9_f784_02b3), (Family::Time, 0xd803_fe52_dd38_c481)];
+pub const GOLDEN: [(Family, u64); 2] = [(Family::Phase, 0x36a5_6eaf_972e_e7a4), (Family::Time, 0xda02_fbf8_0cdd_21e6)];
 
 /// The same in double precision, the first [`DOUBLE_UPDATES`] updates.
 pub const DOUBLE_GOLDEN: [(Family, u64); 2] =
-    [(Family::Phase, 0xbadb_ae8b_d7df_7cbf), (Family::Time, 0xb859_90b2_f718_1b32)];
+    [(Family::Phase, 0x5e4c_0a0d_1b59_3126), (Family::Time, 0x317a_f4b0_ca8d_afe6)];
 
 #[cfg(test)]
 mod tests {
