@@ -26,9 +26,7 @@ fn arm(remedy: &Remedy) -> Result<Controller<f64, [f64; 5], 1>, ConfigError> {
         movement: Movement::new(0.0, 0.3, 25.0, 0.3, [0.0; 5])?,
         stiffness: Gain::new(STIFFNESS, STIFFNESS, [STIFFNESS; 5])?,
         damping: Gain::new(remedy.damping, remedy.damping, [remedy.damping; 5])?,
-        law: remedy
-            .mass
-            .map_or(Law::FirstOrder, |mass| Law::SecondOrder { mass, damping: Damping::Primitive }),
+        law: remedy.mass.map_or(Law::FirstOrder, |mass| Law::SecondOrder { mass, damping: Damping::Primitive }),
     };
     let limits = Limits { force: 40.0, offset: 0.1, velocity: 0.5, acceleration: 1000.0, position: [-0.2, 0.6] };
     let mut settings = Settings::compliant([limits]);
