@@ -291,7 +291,8 @@
 #define HPF_TRACKING_TRIPPED 256
 
 /*
- Flag of an output: the tank has held back stiffness, motion along the path or a force set-point.
+ Flag of an output: the tank has held back stiffness, motion along the path or a force set-point, or the port a
+ motion.
  */
 #define HPF_ENERGY_SHORT 512
 
@@ -652,6 +653,14 @@ typedef struct hpf_f64_settings_t {
    */
   uint32_t oldest_force;
   /*
+   Whether the tank's energy is kept at the physical port too, by measured_position; 0: it is not.
+   */
+  uint32_t has_port;
+  /*
+   How many steps a fresh force reading may be late, 0 to 6; used where has_port is not 0.
+   */
+  uint32_t port_force_delay;
+  /*
    Set to 0.
    */
   uint32_t reserved;
@@ -811,6 +820,10 @@ typedef struct hpf_f64_output_t {
    Energy in the tank [J]; 0 without one.
    */
   double energy;
+  /*
+   Energy at the physical port [J]; 0 without one.
+   */
+  double port_energy;
   /*
    The first ones, as many as the controller has axes, are written.
    */
@@ -1130,6 +1143,14 @@ typedef struct hpf_f32_settings_t {
    */
   uint32_t oldest_force;
   /*
+   Whether the tank's energy is kept at the physical port too, by measured_position; 0: it is not.
+   */
+  uint32_t has_port;
+  /*
+   How many steps a fresh force reading may be late, 0 to 6; used where has_port is not 0.
+   */
+  uint32_t port_force_delay;
+  /*
    Set to 0.
    */
   uint32_t reserved;
@@ -1251,6 +1272,10 @@ typedef struct hpf_f32_output_t {
    Energy in the tank [J]; 0 without one.
    */
   float energy;
+  /*
+   Energy at the physical port [J]; 0 without one.
+   */
+  float port_energy;
   /*
    The first ones, as many as the controller has axes, are written.
    */
