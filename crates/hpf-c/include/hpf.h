@@ -349,22 +349,22 @@
 /*
  Upper bound of what a single-precision controller needs beside its axes and lists.
  */
-#define HPF_F32_BYTES_BASE 512
+#define HPF_F32_BYTES_BASE 544
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F32_BYTES_PER_AXIS 296
+#define HPF_F32_BYTES_PER_AXIS 376
 
 /*
  Upper bound of what a double-precision controller needs beside its axes and lists.
  */
-#define HPF_F64_BYTES_BASE 736
+#define HPF_F64_BYTES_BASE 784
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F64_BYTES_PER_AXIS 528
+#define HPF_F64_BYTES_PER_AXIS 688
 
 /*
  A controller in the caller's memory; opaque to C.
@@ -636,6 +636,10 @@ typedef struct hpf_f64_settings_t {
    The most that switching may put into one axis [W].
    */
   double tank_power;
+  /*
+   The most a force reading may be off, after tare, of each axis [N]; used where has_port is not 0.
+   */
+  double port_force_bias[HPF_AXES_MAX];
   /*
    Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
    */
@@ -1126,6 +1130,10 @@ typedef struct hpf_f32_settings_t {
    The most that switching may put into one axis [W].
    */
   float tank_power;
+  /*
+   The most a force reading may be off, after tare, of each axis [N]; used where has_port is not 0.
+   */
+  float port_force_bias[HPF_AXES_MAX];
   /*
    Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
    */
