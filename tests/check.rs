@@ -335,3 +335,90 @@ fn conditions_that_cannot_be_are_refused() {
     let (_, stderr) = expect(2, folder.path(), &["check", &task("reach.toml"), "--rate", "100"]);
     assert!(stderr.contains("--set rate=HZ"), "{stderr}");
 }
+
+#[test]
+fn contradictions_are_told_beside_mistakes_of_type() {
+    let folder = folder();
+    let text = read(task("reach.toml"));
+    assert!(text.contains("\nrate = "), "{text}");
+    let text = text.replacen("\nrate = ", "\nrate = \"fast\" # ", 1);
+    let contradiction = "\n[[via_point]]\ntime = 99.0\nposition = [0.1, 0.2]\n[[disturbance]]\nkind = \"step\"\naxis = \"q\"\nforce = \"much\"\n";
+    fs::write(folder.path().join("t.toml"), text + contradiction).unwrap();
+    let (_, stderr) = expect(2, folder.path(), &["check", "t.toml"]);
+    for words in [
+        "`rate` cannot be a text",
+        "the via point at 99 s lies outside",
+        "there is no axis `q`",
+        "a position with 2 numbers",
+    ] {
+        assert!(stderr.contains(words), "{words}: {stderr}");
+    }
+    assert!(!stderr.contains("steps"), "what hangs on the rate is not told: {stderr}");
+}
+
+#[test]
+fn whole_numbers_that_no_reader_takes_are_refused_where_they_stand() {
+    let folder = folder();
+    let largest = i64::MAX.to_string();
+    for key in ["seed", "max_rollouts"] {
+        for (number, code) in [(largest.as_str(), 0), ("9223372036854775808", 2), ("18446744073709551615", 2)] {
+            let text = format!("{}\n", read(task("reach.toml")));
+            let text = text.replacen("[learning]", &format!("[learning]\n{key} = {number}"), 1);
+            let text =
+                text.lines().filter(|line| !(line.starts_with(key) && !line.contains(number))).collect::<Vec<_>>();
+            fs::write(folder.path().join("t.toml"), text.join("\n") + "\n").unwrap();
+            let (_, stderr) = expect(code, folder.path(), &["check", "t.toml"]);
+            assert!(
+                code == 0 || (stderr.contains(&format!("`{key}` is out of range")) && stderr.contains(&largest)),
+                "{stderr}"
+            );
+            let learn = ["learn", "t.toml", "--quiet", "--force", "--out", "o", "--set", "learning.updates=1"];
+            expect(code, folder.path(), &learn);
+        }
+    }
+    let (schema, _) = expect(0, folder.path(), &["schema"]);
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    for key in ["seed", "max_rollouts"] {
+        assert_eq!(schema["$defs"]["Learning"]["properties"][key]["maximum"].as_i64(), Some(i64::MAX), "{key}");
+    }
+}
+
+#[test]
+fn the_force_error_is_judged_after_the_time_that_the_task_says() {
+    let folder = folder();
+    let measure = |time: &str| {
+        let change = format!("accept.settling_time={time}");
+        let cantilever = task("cantilever.toml");
+        let arguments = [
+            "learn",
+            &cantilever,
+            "--quiet",
+            "--force",
+            "--out",
+            "o",
+            "--json",
+            "--set",
+            "learning.updates=1",
+            "--set",
+            "learning.method=pi2",
+            "--set",
+            "accept={}",
+            "--set",
+            &change,
+        ];
+        let (stdout, _) = expect(0, folder.path(), &arguments);
+        crate::support::metric(&serde_json::from_str(&stdout).unwrap(), "max_force_error")
+    };
+    let columns = |time: f64| {
+        let table = crate::support::Columns::read(folder.path().join("o/trajectory.csv"));
+        let set_point = 10.0;
+        let rows = table.column("time_s").into_iter().zip(table.column("contact_force_n"));
+        rows.filter(|(t, _)| *t >= time).map(|(_, force)| (force - set_point).abs()).fold(0.0, f64::max)
+    };
+    for (text, time) in [("0.0", 0.0), ("0.1", 0.1), ("2.0", 2.0)] {
+        let found = measure(text);
+        assert!((found - columns(time)).abs() < 1e-12, "{text}: {found}");
+    }
+    let (_, stderr) = expect(2, folder.path(), &["check", &task("reach.toml"), "--set", "accept.settling_time=1"]);
+    assert!(stderr.contains("`accept.settling_time` has nothing to measure"), "{stderr}");
+}
