@@ -1,5 +1,6 @@
 //! `hpf check`, and what every command says of a bad task file.
 
+use std::fs;
 use std::path::Path;
 
 use crate::support::{expect, folder, read, task};
