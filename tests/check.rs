@@ -9,7 +9,7 @@ use crate::support::{expect, folder, read, task};
 fn changed(folder: &Path, from: &str, to: &str) -> &'static str {
     let text = read(task("via_point.toml"));
     assert!(text.contains(from), "{from}");
-    std::fs::write(folder.join("bad.toml"), text.replacen(from, to, 1)).unwrap();
+    fs::write(folder.join("bad.toml"), text.replacen(from, to, 1)).unwrap();
     "bad.toml"
 }
 
@@ -69,7 +69,7 @@ fn has_place(report: &str, file: &str) -> bool {
 #[test]
 fn a_negative_width_of_the_beam_is_refused() {
     let folder = folder();
-    std::fs::write(
+    fs::write(
         folder.path().join("bad.toml"),
         read(task("cantilever.toml")).replace("width = 0.05", "width = -0.05"),
     )
@@ -86,7 +86,7 @@ fn all_mistakes_are_shown_at_once() {
         .replace("period = 5.0", "period = 0")
         .replace("updates = 600", "updates = 0")
         .replace("time = 2.5", "time = 25");
-    std::fs::write(folder.path().join("bad.toml"), text).unwrap();
+    fs::write(folder.path().join("bad.toml"), text).unwrap();
     let (_, stderr) = expect(2, folder.path(), &["check", "bad.toml"]);
     for words in [
         "unknown key `decoy`, did you mean `decay`?",
@@ -102,7 +102,7 @@ fn all_mistakes_are_shown_at_once() {
 #[test]
 fn what_is_no_task_file_is_refused() {
     let folder = folder();
-    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
     write("empty.toml", b"");
     write("blank.toml", b" \n\n");
     write("binary.toml", &[0x7f, b'E', b'L', b'F', 0xff, 0xfe, 0x00, 0x80]);
@@ -130,7 +130,7 @@ fn bad_force_tables_are_answered_with_their_line() {
     let text = read(task("reach.toml")).replace("kind = \"step\"", "kind = \"table\"\nfile = \"push.csv\"");
     let text: Vec<&str> =
         text.lines().filter(|line| !line.starts_with("amplitude") && !line.starts_with("start = 0.5")).collect();
-    std::fs::write(folder.path().join("pushed.toml"), text.join("\n")).unwrap();
+    fs::write(folder.path().join("pushed.toml"), text.join("\n")).unwrap();
     for (table, words) in [
         ("time_s,force_n\n0,1\n1,x\n", "push.csv:3:3: `x` is not a number"),
         ("time_s,force_n\n0,1\n1\n", "push.csv:3:1: the row does not have two numbers"),
@@ -139,11 +139,11 @@ fn bad_force_tables_are_answered_with_their_line() {
         ("time_s,force_n\n", "push.csv:1:1: the table has no row"),
         ("t,f\n0,1\n", "push.csv:1:1: the header must be time_s,force_n"),
     ] {
-        std::fs::write(folder.path().join("push.csv"), table).unwrap();
+        fs::write(folder.path().join("push.csv"), table).unwrap();
         let (_, stderr) = expect(2, folder.path(), &["check", "pushed.toml"]);
         assert!(stderr.contains(words), "{words} is missing from {stderr}");
     }
-    std::fs::remove_file(folder.path().join("push.csv")).unwrap();
+    fs::remove_file(folder.path().join("push.csv")).unwrap();
     let (_, stderr) = expect(2, folder.path(), &["check", "pushed.toml"]);
     assert!(stderr.contains("push.csv: there is no such file"), "{stderr}");
 }
@@ -151,7 +151,7 @@ fn bad_force_tables_are_answered_with_their_line() {
 #[test]
 fn a_full_stderr_or_stdout_changes_no_exit_code_but_a_lost_result_does() {
     let folder = folder();
-    let full = || std::fs::File::create("/dev/full").unwrap();
+    let full = || fs::File::create("/dev/full").unwrap();
     let run = |arguments: &[&str]| crate::support::command(folder.path(), arguments);
     assert_eq!(run(&["check", "nowhere.toml"]).stderr(full()).status().unwrap().code(), Some(2));
     let learn = ["learn", &task("reach.toml")];
@@ -207,7 +207,7 @@ fn write_policy(folder: &Path, stiffness: impl Fn(usize) -> f64, damping: f64) {
         axis.stiffness.weights.iter_mut().enumerate().for_each(|(i, weight)| *weight = stiffness(i));
         axis.damping.weights.fill(damping);
     }
-    std::fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
+    fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
 }
 
 /// The certificates that `hpf check` gives.
@@ -258,7 +258,7 @@ fn write_inertial(folder: &Path, stiffness: impl Fn(usize) -> f64, damping: f64,
     write_policy(folder, stiffness, damping);
     let mut policy = hpf_sim::Policy::parse(&read(folder.join("policy.json"))).unwrap();
     policy.admittance = hpf_sim::AdmittancePolicy { order: 2, mass: Some(vec![mass; policy.axes.len()]) };
-    std::fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
+    fs::write(folder.join("policy.json"), policy.to_json()).unwrap();
 }
 
 #[test]
@@ -297,7 +297,7 @@ fn a_law_of_second_order_is_certified_by_its_own_tests() {
 fn a_measured_contact_too_stiff_for_its_loop_is_warned_of() {
     let folder = folder();
     let text = read(task("cantilever.toml")) + "\n[sensor]\ndelay = 0.01\n";
-    std::fs::write(folder.path().join("late.toml"), text).unwrap();
+    fs::write(folder.path().join("late.toml"), text).unwrap();
     let (stdout, _) = expect(0, folder.path(), &["check", "late.toml"]);
     // One sample late: d/h = 10/0.01 N/m at the least damping.
     assert!(stdout.contains("warning") && stdout.contains("as stiff as 1000000 N/m"), "{stdout}");
@@ -311,7 +311,7 @@ fn a_measured_contact_too_stiff_for_its_loop_is_warned_of() {
 fn a_run_is_certified_at_the_rate_of_its_task() {
     let folder = folder();
     write_policy(folder.path(), |_| 100.0, 50.0);
-    std::fs::copy(task("via_point.toml"), folder.path().join("task.toml")).unwrap();
+    fs::copy(task("via_point.toml"), folder.path().join("task.toml")).unwrap();
     let (text, _) = expect(0, folder.path(), &["check", "."]);
     assert!(text.contains("a valid policy") && text.contains("at 100.0 Hz, measured force 10.00 ms late"), "{text}");
     assert_eq!(certificates(folder.path(), &["--rate", "500"])["rate_hz"], 500.0);
