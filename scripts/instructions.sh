@@ -3,17 +3,15 @@
 # functions, limits, filter and tank on), of eight rollouts as a batch, and of an update of PI2 from them, in AVX2, the best
 # that valgrind knows. Fails where a count is above its bound: a kernel of a batch that is no longer inlined doubles it. A
 # count is the same at every run, whatever else the machine does. Installs valgrind from Debian; where it cannot be had,
-# says so and exits 0 with nothing checked.
+# says so and exits 0 with nothing checked, in CI
+# with 1 (scripts/skip.sh).
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/skip.sh"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-skip() {
-    echo "SKIPPED: $1; no instruction was counted"
-    exit 0
-}
-[ "$(uname -m)" = x86_64 ] || skip "the bounds are for x86-64"
+[ "$(uname -m)" = x86_64 ] || skip "the bounds are for x86-64" "no instruction was counted"
 if ! command -v valgrind >/dev/null; then
-    { apt-get update && apt-get install -y --no-install-recommends valgrind; } || skip "valgrind cannot be installed"
+    { apt-get update && apt-get install -y --no-install-recommends valgrind; } || skip "valgrind cannot be installed" "no instruction was counted"
 fi
 
 unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS

@@ -15,6 +15,7 @@ mod policy;
 mod problem;
 mod simulation;
 mod start;
+mod table_end;
 pub mod task;
 mod trace;
 
@@ -27,5 +28,6 @@ pub use policy::{
 };
 pub use simulation::{Simulation, SimulationError, Workspace, disturbances};
 pub use start::StartError;
+pub use table_end::TableEnd;
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

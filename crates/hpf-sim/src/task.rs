@@ -8,6 +8,7 @@ mod basis;
 mod keys;
 mod learning;
 mod process;
+mod repair;
 mod rules;
 mod sizes;
 
@@ -316,9 +317,13 @@ pub struct Accept {
     /// Largest deviation from the curve of the contact [m].
     #[schemars(range(min = 0))]
     pub max_deviation: Option<f64>,
-    /// Largest error of the contact force after the first 0.1 s of the motion [N].
+    /// Largest error of the contact force after `settling_time` [N].
     #[schemars(range(min = 0))]
     pub max_force_error: Option<f64>,
+    /// Time from the start of the motion that `max_force_error` leaves out [s]; left out, 0.1. A shorter motion is judged
+    /// at its end.
+    #[schemars(range(min = 0))]
+    pub settling_time: Option<f64>,
     /// Time without contact, all of it together [s].
     #[schemars(range(min = 0))]
     pub max_contact_loss: Option<f64>,
@@ -393,6 +398,23 @@ pub struct Diagnostic {
     pub help: String,
 }
 
+/// Appends the contradictions of a `document` that cannot be read for its other mistakes, those `found`: what does not
+/// hang on any of them.
+fn contradictions(document: &keys::Document<'_>, found: &mut Vec<Diagnostic>) {
+    let schema = Task::schema();
+    let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
+    let of_repaired = |is_second: bool| {
+        let repair = repair::Repair { schemas: keys::Schemas::of(&schema), told: &told, is_second };
+        let task = Task::deserialize(repair.of(document, &schema)).ok()?;
+        let mut all = found.clone();
+        rules::check(&task, document, &mut all);
+        Some(all.split_off(found.len()))
+    };
+    let (Some(first), Some(second)) = (of_repaired(false), of_repaired(true)) else { return };
+    let is_told = |span: &Range<usize>| told.iter().any(|told| told.start <= span.start && span.end <= told.end);
+    found.extend(first.into_iter().filter(|one| second.contains(one) && !is_told(&one.span)));
+}
+
 impl Task {
     /// Reads and checks a task file.
     ///
@@ -418,7 +440,7 @@ impl Task {
                 }
             }
             Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
-            Err(_) => {}
+            Err(_) => contradictions(&document, &mut found),
         }
         found.sort_by_key(|diagnostic| diagnostic.span.start);
         Err(found)

@@ -8,9 +8,11 @@ use hpf_sim::Simulation;
 use crate::cli::{Common, Simulate};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_policy, read_task, say, sha256};
+use crate::files::{in_file, read_policy, read_task, sha256};
 use crate::results::{LearningRow, Run};
+use crate::sinks::told;
 use crate::summary::Summary;
+use crate::terminal::say;
 use crate::{overrides, render, results};
 
 /// What `--set` may change: the policy decides the rest.
@@ -59,7 +61,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         stopped_because: "a policy was run, nothing learned".into(),
     };
 
-    let mut files = Vec::new();
+    let (mut files, mut failures) = (Vec::new(), Vec::new());
     if let Some(target) = &common.out {
         let mut folder = Unfinished::begin(target, common.force)?;
         folder.ready()?;
@@ -68,7 +70,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
                 folder.write(&table.name, &table.csv)?;
             }
             folder.write("task.toml", &loaded.text)?;
-            results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
+            failures = results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
             summary.total_s = started.elapsed().as_secs_f64();
             folder.write("summary.json", format!("{:#}\n", summary.to_json()))
         })();
@@ -83,8 +85,9 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     if common.json {
         say(&render::json(&summary, place.as_deref(), &files))?;
     } else {
-        say(&render::simulated(&run.task, &summary, place.as_deref(), &files))?;
+        say(&render::simulated(&run, &summary, place.as_deref(), &files))?;
     }
+    told(&failures, place.as_deref().unwrap_or_default())?;
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }
 
