@@ -69,11 +69,8 @@ fn has_place(report: &str, file: &str) -> bool {
 #[test]
 fn a_negative_width_of_the_beam_is_refused() {
     let folder = folder();
-    fs::write(
-        folder.path().join("bad.toml"),
-        read(task("cantilever.toml")).replace("width = 0.05", "width = -0.05"),
-    )
-    .unwrap();
+    fs::write(folder.path().join("bad.toml"), read(task("cantilever.toml")).replace("width = 0.05", "width = -0.05"))
+        .unwrap();
     let (_, stderr) = expect(2, folder.path(), &["learn", "bad.toml"]);
     assert!(stderr.contains("bad.toml:") && stderr.contains("`width` must be a number above 0"), "{stderr}");
 }
@@ -339,7 +336,7 @@ fn the_force_loop_is_certified_with_tool_and_contact_as_declared() {
     assert!(text.contains("none: a tool of 0.5000 kg oscillates in free air already"), "{text}");
     // Sensor and actuator of the task beside it are those of the certificate.
     let task = read(task("via_point.toml")) + "\n[sensor]\ndelay = 0.02\n[actuator]\nlag = 0.03\n";
-    std::fs::write(folder.path().join("task.toml"), task).unwrap();
+    fs::write(folder.path().join("task.toml"), task).unwrap();
     let found = certificates(folder.path(), &[]);
     assert_eq!((found["delay_s"].as_f64(), found["lag_s"].as_f64()), (Some(0.02), Some(0.03)));
     let found = certificates(folder.path(), &["--delay", "0", "--lag", "0"]);
