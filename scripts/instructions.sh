@@ -39,11 +39,11 @@ while read -r scalar family axes bound; do
     check "$scalar $family $axes" $(((two - one) / 2000)) "$bound"
 done <<'BOUNDS'
 f32 phase 2 2540
-f32 time 2 1440
+f32 time 2 1540
 f32 phase 6 5240
 f32 time 6 3760
 f64 phase 2 3020
-f64 time 2 1660
+f64 time 2 1760
 f64 phase 6 6060
 f64 time 6 4790
 BOUNDS
