@@ -403,8 +403,7 @@ fn whole_numbers_that_no_reader_takes_are_refused_where_they_stand() {
         for (number, code) in [(largest.as_str(), 0), ("9223372036854775808", 2), ("18446744073709551615", 2)] {
             let text = format!("{}\n", read(task("reach.toml")));
             let text = text.replacen("[learning]", &format!("[learning]\n{key} = {number}"), 1);
-            let text =
-                text.lines().filter(|line| !(line.starts_with(key) && !line.contains(number))).collect::<Vec<_>>();
+            let text = text.lines().filter(|line| !line.starts_with(key) || line.contains(number)).collect::<Vec<_>>();
             fs::write(folder.path().join("t.toml"), text.join("\n") + "\n").unwrap();
             let (_, stderr) = expect(code, folder.path(), &["check", "t.toml"]);
             assert!(

@@ -75,7 +75,8 @@ pub fn metrics(run: &Run, metrics: &[Metric]) -> String {
         }
         text.push('\n');
     }
-    let gains: [(_, _, fn(&AxisTrace) -> &[f64]); 2] =
+    type Signal = fn(&AxisTrace) -> &[f64];
+    let gains: [(_, _, Signal); 2] =
         [("stiffness", &task.stiffness, |axis| &axis.stiffness), ("damping", &task.damping, |axis| &axis.damping)];
     for (name, gain, signal) in gains {
         text += &gain_lines(task, name, gain, run.trajectory.axes.iter().map(signal));

@@ -1,7 +1,8 @@
 //! What only shows a run, its log and its figures: where one cannot be made, the run is kept and the failure is named.
 
 use core::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use core::panic::AssertUnwindSafe;
+use std::panic::catch_unwind;
 use std::path::Path;
 
 use crate::failure::Failure;

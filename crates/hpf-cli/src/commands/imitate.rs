@@ -79,8 +79,11 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }
 
+/// Files, what they record, and notes on them.
+type Recordings = (Vec<Source>, Vec<Demonstration>, Vec<String>);
+
 /// Reads the demonstrations, and says of which file a mistake is.
-fn read(paths: &[PathBuf]) -> Result<(Vec<Source>, Vec<Demonstration>, Vec<String>), Failure> {
+fn read(paths: &[PathBuf]) -> Result<Recordings, Failure> {
     let (mut sources, mut notes) = (Vec::new(), Vec::new());
     let mut demonstrations: Vec<Demonstration> = Vec::new();
     for path in paths {
