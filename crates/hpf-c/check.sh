@@ -53,6 +53,10 @@ done
 [ "$programs" -ge 2 ] || surprise "the documentation lacks its programs in C"
 echo "passed  $programs programs of the documentation, as C89: the robot moves to its goal"
 
+cc -std=c89 "${denied[@]}" -Iinclude check/domain.c "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/domain"
+"$work/domain" || surprise "a command leaves its limits, or a skill that no step could bear is taken"
+echo "passed  damping down to subnormal numbers"
+
 skeleton=examples/ros2_control
 c++ -std=c++17 "${warnings[@]}" -Iinclude -I$skeleton/stub $skeleton/hpf_controller.cpp $skeleton/check.cpp \
     "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/ros2_control"
