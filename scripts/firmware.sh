@@ -1,21 +1,19 @@
 #!/usr/bin/env bash
 # Runs a skill on emulated microcontrollers (QEMU: Cortex-M4F and M7) and compares its bits with the host's.
 # Installs what it needs: the Rust target by rustup, qemu-system-arm from Debian. Exits non-zero if a check fails; where
-# the tools cannot be installed it says so and exits 0 with nothing checked.
+# the tools cannot be installed it says so and exits 0 with nothing checked, in CI
+# with 1 (scripts/skip.sh).
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/skip.sh"
 cd "$(dirname "${BASH_SOURCE[0]}")/../firmware"
 
 target=thumbv7em-none-eabihf
-skip() {
-    echo "SKIPPED: $1; nothing was run on an emulated microcontroller"
-    exit 0
-}
 if ! rustup target list --installed 2>/dev/null | grep -qx "$target"; then
-    rustup target add "$target" || skip "the Rust target $target cannot be installed"
+    rustup target add "$target" || skip "the Rust target $target cannot be installed" "nothing was run on an emulated microcontroller"
 fi
 if ! command -v qemu-system-arm >/dev/null; then
     { apt-get update && apt-get install -y --no-install-recommends qemu-system-arm; } ||
-        skip "qemu-system-arm cannot be installed"
+        skip "qemu-system-arm cannot be installed" "nothing was run on an emulated microcontroller"
 fi
 
 host=$(rustc -vV | sed -n 's/^host: //p')

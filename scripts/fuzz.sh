@@ -2,8 +2,10 @@
 # Fuzzes everything that reads files: scripts/fuzz.sh [seconds per target, 60 if not given] [targets, all if not given]
 # First the seeds (fuzz/seeds) and what earlier runs found worth keeping (fuzz/corpus) are replayed, then each target
 # runs for its time, as many at once as there are cores. Exits non-zero with the input that broke a target; where
-# cargo-fuzz cannot be installed it says so and exits 0 with nothing fuzzed.
+# cargo-fuzz cannot be installed it says so and exits 0 with nothing fuzzed, in CI
+# with 1 (scripts/skip.sh).
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/skip.sh"
 cd "$(dirname "${BASH_SOURCE[0]}")/../fuzz"
 
 seconds=${1:-60}
@@ -11,10 +13,7 @@ targets=("${@:2}")
 [ ${#targets[@]} -gt 0 ] || targets=(task overrides policy packed tables demonstrations mcap)
 
 if ! cargo fuzz --version >/dev/null 2>&1; then
-    cargo install --locked cargo-fuzz || {
-        echo "SKIPPED: cargo-fuzz cannot be installed; nothing was fuzzed"
-        exit 0
-    }
+    cargo install --locked cargo-fuzz || skip "cargo-fuzz cannot be installed" "nothing was fuzzed"
 fi
 # Coverage and the address sanitizer are flags of the nightly compiler; the stable one takes them so.
 export RUSTC_BOOTSTRAP=1

@@ -1,22 +1,20 @@
 #!/usr/bin/env bash
 # Runs the tests of hpf-core and the golden bits of firmware/ as a 64-bit ARM Linux program under qemu-user.
 # Installs what it needs: the Rust target by rustup, a linker, its C library and qemu-user from Debian. Exits non-zero if
-# a test fails; where the tools cannot be installed it says so and exits 0 with nothing checked.
+# a test fails; where the tools cannot be installed it says so and exits 0 with nothing checked, in CI
+# with 1 (scripts/skip.sh).
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/skip.sh"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 target=aarch64-unknown-linux-gnu
 library=/usr/aarch64-linux-gnu
-skip() {
-    echo "SKIPPED: $1; no test was run on an emulated ARM Linux"
-    exit 0
-}
 if ! rustup target list --installed 2>/dev/null | grep -qx "$target"; then
-    rustup target add "$target" || skip "the Rust target $target cannot be installed"
+    rustup target add "$target" || skip "the Rust target $target cannot be installed" "no test was run on an emulated ARM Linux"
 fi
 if ! { command -v qemu-aarch64 && command -v aarch64-linux-gnu-gcc && [ -e "$library/lib/libc.so.6" ]; } >/dev/null; then
     { apt-get update && apt-get install -y --no-install-recommends gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user; } ||
-        skip "gcc-aarch64-linux-gnu, libc6-dev-arm64-cross or qemu-user cannot be installed"
+        skip "gcc-aarch64-linux-gnu, libc6-dev-arm64-cross or qemu-user cannot be installed" "no test was run on an emulated ARM Linux"
 fi
 
 unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS

@@ -15,6 +15,7 @@ mod init;
 mod kill;
 mod layouts;
 mod learn;
+mod nodes;
 mod options;
 mod plot;
 mod process;
@@ -24,10 +25,12 @@ mod reproduce;
 mod resume;
 mod robustness;
 mod run;
+mod sinks;
 #[path = "../crates/hpf-sim/tests/solver/mod.rs"]
 mod solver;
 mod stochastic;
 mod support;
 mod sweep;
+mod terminal;
 #[path = "../crates/hpf-sim/tests/waves/mod.rs"]
 mod waves;

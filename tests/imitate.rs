@@ -277,3 +277,72 @@ fn the_same_demonstrations_give_the_same_bytes() {
         assert_eq!(bytes("one"), bytes("two"), "{name}");
     }
 }
+
+/// A recording of `rows` samples over `duration` s whose numbers are written by `write`.
+fn recording(rows: usize, duration: f64, write: fn(f64) -> String) -> String {
+    let u = |i: usize| i as f64 / (rows - 1) as f64;
+    let jerk = |u: f64| 0.3 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+    let rows = (0..rows).map(|i| format!("{:.6},{}\n", duration * u(i), write(jerk(u(i)))));
+    "time_s,x_m\n".to_owned() + &rows.collect::<String>()
+}
+
+#[test]
+fn a_recording_that_was_cut_within_its_last_number_is_refused_and_one_without_a_line_break_is_told() {
+    let folder = folder();
+    let whole = recording(101, 1.0, |x| format!("{x:.6}"));
+    let write = |text: &str| fs::write(folder.path().join("cut.csv"), text).unwrap();
+    let arguments = ["imitate", "cut.csv", "--quiet", "--force", "--out", "o"];
+    for end in [1, 3, 7] {
+        write(&whole[..whole.len() - 1 - end]);
+        let (_, stderr) = expect(2, folder.path(), &arguments);
+        assert!(
+            stderr.contains("cut.csv:102: column `x_m`: the last number") && stderr.contains("may be cut"),
+            "{stderr}"
+        );
+    }
+    write(whole.trim_end());
+    let (stdout, _) = expect(0, folder.path(), &arguments);
+    assert!(stdout.contains("note: cut.csv: no line break follows the last number, 0.300000"), "{stdout}");
+    write(&whole);
+    let (stdout, _) = expect(0, folder.path(), &arguments);
+    assert!(!stdout.contains("line break"), "{stdout}");
+    // Force tables too.
+    let table = "\n[[disturbance]]\nkind = \"table\"\naxis = \"x\"\nfile = \"f.csv\"\n";
+    fs::write(folder.path().join("t.toml"), read(task("reach.toml")) + table).unwrap();
+    let check = |code: i32, text: &str| {
+        fs::write(folder.path().join("f.csv"), text).unwrap();
+        expect(code, folder.path(), &["check", "t.toml"]).1
+    };
+    let stderr = check(2, "time_s,force_n\n0.0,0.0\n0.5,1.0\n1.0,2");
+    assert!(stderr.contains("f.csv:4:5: the last number, 2, is shorter"), "{stderr}");
+    let stderr = check(0, "time_s,force_n\n0.0,0.0\n0.5,1.0\n1.0,2.0");
+    assert!(stderr.contains("note: ") && stderr.contains("2.0, which is taken as it stands"), "{stderr}");
+    assert_eq!(check(0, "time_s,force_n\n0.0,0.0\n0.5,1.0\n1.0,20\n"), "");
+}
+
+#[test]
+fn a_low_cut_off_keeps_the_ends_and_never_leaves_the_range() {
+    let folder = folder();
+    fs::write(folder.path().join("base.csv"), recording(101, 1.0, |x| format!("{x:.6}"))).unwrap();
+    for cut_off in ["0.0001", "0.05", "0.3", "1", "3.9"] {
+        let arguments = ["imitate", "base.csv", "--smooth", cut_off, "--quiet", "--force", "--out", "o"];
+        expect(0, folder.path(), &arguments);
+        let path = Columns::read(folder.path().join("o/trajectory.csv")).column("x_reference_m");
+        assert!((path[0], path[path.len() - 1]) == (0.0, path[path.len() - 1]));
+        assert!((path[path.len() - 1] - 0.3).abs() < 0.01, "{cut_off}: ends at {}", path[path.len() - 1]);
+        assert!(path.iter().all(|x| (-0.05..0.35).contains(x)), "{cut_off}: {path:?}");
+    }
+}
+
+#[test]
+fn a_rate_that_is_asked_for_is_kept_and_the_duration_told() {
+    let folder = folder();
+    fs::write(folder.path().join("real.csv"), recording(124, 1.234_567, |x| format!("{x:.6}"))).unwrap();
+    let (stdout, _) = expect(0, folder.path(), &["imitate", "real.csv", "--rate", "1000", "--quiet", "--out", "o"]);
+    assert!(stdout.contains("1235 steps at 1000 Hz"), "{stdout}");
+    assert!(stdout.contains("note: the duration is 1.235 s instead of 1.234567 s"), "{stdout}");
+    expect(0, folder.path(), &["run", "o", "--rate", "1000"]);
+    expect(0, folder.path(), &["imitate", "real.csv", "--quiet", "--out", "own"]);
+    let (_, stderr) = expect(2, folder.path(), &["run", "own", "--rate", "1000"]);
+    assert!(stderr.contains("the nearest rates are"), "{stderr}");
+}

@@ -74,3 +74,35 @@ fn what_is_no_log_is_said_to_be_none() {
     expect(2, folder.path(), &["recover", "missing.mcap"]);
     assert!(!folder.path().join("empty.recovered.mcap").exists());
 }
+
+#[test]
+fn a_small_log_that_unpacks_to_much_is_refused_at_once() {
+    // A private record of zeros, in ten chunks of zstd: 2 GB in a few hundred kilobytes.
+    let size: u64 = 200 << 20;
+    let mut records = vec![0x80];
+    records.extend((size - 9).to_le_bytes());
+    records.resize(size as usize, 0);
+    let crc = hpf_core::packed::crc32(&records);
+    let packed = zstd::encode_all(records.as_slice(), 1).unwrap();
+    drop(records);
+    let mut chunk = [0_u64.to_le_bytes(), 0_u64.to_le_bytes(), size.to_le_bytes()].concat();
+    chunk.extend(crc.to_le_bytes());
+    chunk.extend(4_u32.to_le_bytes());
+    chunk.extend(b"zstd");
+    chunk.extend((packed.len() as u64).to_le_bytes());
+    chunk.extend(&packed);
+    let mut bytes = mcap::MAGIC.to_vec();
+    for _ in 0..10 {
+        bytes.push(mcap::records::op::CHUNK);
+        bytes.extend((chunk.len() as u64).to_le_bytes());
+        bytes.extend(&chunk);
+    }
+    let folder = folder();
+    assert!(bytes.len() < 1 << 20, "{}", bytes.len());
+    fs::write(folder.path().join("bomb.mcap"), &bytes).unwrap();
+    for command in ["info", "recover"] {
+        let (_, stderr) = expect(2, folder.path(), &[command, "bomb.mcap"]);
+        assert!(stderr.contains("bomb.mcap: its chunks unpack to more than"), "{command}: {stderr}");
+    }
+    assert!(!folder.path().join("bomb.recovered.mcap").exists());
+}

@@ -376,3 +376,37 @@ fn learning_needs_no_more_memory_than_check_says() {
         assert!(!learns_within(folder.path(), 0.2 * said, &arguments), "{keys:?} needs far less than {said} bytes");
     }
 }
+
+#[test]
+fn a_policy_that_is_not_the_one_its_run_was_finished_with_is_refused_wherever_the_run_is_read() {
+    let folder = folder();
+    let run = run(folder.path());
+    let policy = read(run.join("policy.json"));
+    let other = policy.replacen("\"updates\"", " \"updates\"", 1);
+    assert_ne!(policy, other);
+    fs::write(run.join("policy.json"), &other).unwrap();
+    let place = run.display().to_string();
+    let file = run.join("policy.json").display().to_string();
+    let task = format!("{place}/task.toml");
+    let commands: [&[&str]; 9] = [
+        &["info", &place],
+        &["info", &place, &place],
+        &["info", &file],
+        &["check", &place],
+        &["run", &place],
+        &["plot", &place, "--force"],
+        &["export", &place, "--format", "c"],
+        &["export", &place, "--ros2"],
+        &["learn", &task, "--from", &place, "--out", "further"],
+    ];
+    for arguments in commands {
+        let (code, stderr) = try_hpf(folder.path(), arguments);
+        assert!(
+            code == 2 && stderr.contains("policy_sha256") && stderr.contains("policy.json"),
+            "{arguments:?}: {stderr}"
+        );
+    }
+    // Taken out of the run it is a policy like any other.
+    fs::write(folder.path().join("policy.json"), &other).unwrap();
+    expect(0, folder.path(), &["check", "policy.json"]);
+}

@@ -4,6 +4,7 @@
 # CMake recipe; proves by linking that no function of the interface reaches a panic.
 # Ends with 0 only if all of it holds.
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/../../scripts/skip.sh"
 cd "$(dirname "${BASH_SOURCE[0]}")"
 unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS CARGO_BUILD_TARGET
 work=$(mktemp -d)
@@ -52,6 +53,10 @@ done
 [ "$programs" -ge 2 ] || surprise "the documentation lacks its programs in C"
 echo "passed  $programs programs of the documentation, as C89: the robot moves to its goal"
 
+cc -std=c89 "${denied[@]}" -Iinclude check/domain.c "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/domain"
+"$work/domain" || surprise "a command leaves its limits, or a skill that no step could bear is taken"
+echo "passed  damping down to subnormal numbers"
+
 skeleton=examples/ros2_control
 c++ -std=c++17 "${warnings[@]}" -Iinclude -I$skeleton/stub $skeleton/hpf_controller.cpp $skeleton/check.cpp \
     "$built/libhpf_c.a" -lpthread -ldl -lm -o "$work/ros2_control"
@@ -93,12 +98,12 @@ if command -v cmake >/dev/null; then
         >"$work/cmake.log" 2>&1 || { cat "$work/cmake.log"; surprise "the CMake recipe"; }
     echo "passed  CMake recipe"
 else
-    echo "SKIPPED: there is no cmake here, the recipe was not tried"
+    (skip "there is no cmake here" "the recipe was not tried")
 fi
 
 if [ -d "$(rustc --print sysroot)/lib/rustlib/thumbv7em-none-eabihf" ]; then
     bare bare --target thumbv7em-none-eabihf
     echo "passed  builds for thumbv7em-none-eabihf"
 else
-    echo "SKIPPED: the target thumbv7em-none-eabihf is not installed"
+    (skip "the target thumbv7em-none-eabihf is not installed" "the build for it was not tried")
 fi

@@ -15,7 +15,7 @@ use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Request, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::packed::{Packed, PackedError};
-use hpf_core::passivity::EnergyTank;
+use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{
     AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, HybridState, Law, Movement, Phase, Real,
 };
@@ -43,7 +43,7 @@ struct Run<T> {
     controller: Controller<T, [T; N], D>,
 }
 
-/// Settings that reach every branch: every compliance, tank, filter and dead zone.
+/// Settings that reach every branch: every compliance, tank, port, filter and dead zone.
 fn settings<T: Real>() -> Result<Settings<T, D>, ConfigError> {
     let axis = |compliance| AxisSettings {
         compliance,
@@ -66,6 +66,8 @@ fn settings<T: Real>() -> Result<Settings<T, D>, ConfigError> {
             dead_zone: [T::ZERO; D],
         },
         tank: Some(EnergyTank::new(T::of(5.0), T::ZERO, T::ONE, T::of(1e3))?),
+        // Closed, because this loop has no position to measure; the compiler cannot know.
+        port: core::hint::black_box(false).then_some(Port { force_delay: 2, force_bias: [T::of(0.5); D] }),
         timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.2), hold: T::of(0.02), oldest_force: 4 },
     })
 }

@@ -271,7 +271,8 @@
 #define HPF_TRACKING_TRIPPED 256
 
 /*
- Flag of an output: the tank has held back stiffness, motion along the path or a force set-point.
+ Flag of an output: the tank has held back stiffness, motion along the path or a force set-point, or the port a
+ motion.
  */
 #define HPF_ENERGY_SHORT 512
 
@@ -328,22 +329,22 @@
 /*
  Upper bound of what a single-precision controller needs beside its axes and lists.
  */
-#define HPF_F32_BYTES_BASE 512
+#define HPF_F32_BYTES_BASE 544
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F32_BYTES_PER_AXIS 296
+#define HPF_F32_BYTES_PER_AXIS 376
 
 /*
  Upper bound of what a double-precision controller needs beside its axes and lists.
  */
-#define HPF_F64_BYTES_BASE 736
+#define HPF_F64_BYTES_BASE 784
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F64_BYTES_PER_AXIS 528
+#define HPF_F64_BYTES_PER_AXIS 688
 
 /*
  A controller in the caller's memory; opaque to C.
@@ -608,6 +609,10 @@ typedef struct hpf_f64_settings_t {
    */
   double tank_power;
   /*
+   The most a force reading may be off, after tare, of each axis [N]; used where has_port is not 0.
+   */
+  double port_force_bias[HPF_AXES_MAX];
+  /*
    Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
    */
   double longest_step;
@@ -623,6 +628,14 @@ typedef struct hpf_f64_settings_t {
    Oldest reading that is still good [steps].
    */
   uint32_t oldest_force;
+  /*
+   Whether the tank's energy is kept at the physical port too, by measured_position; 0: it is not.
+   */
+  uint32_t has_port;
+  /*
+   How many steps a fresh force reading may be late, 0 to 6; used where has_port is not 0.
+   */
+  uint32_t port_force_delay;
   /*
    Set to 0.
    */
@@ -783,6 +796,10 @@ typedef struct hpf_f64_output_t {
    Energy in the tank [J]; 0 without one.
    */
   double energy;
+  /*
+   Energy at the physical port [J]; 0 without one.
+   */
+  double port_energy;
   /*
    The first ones, as many as the controller has axes, are written.
    */
@@ -1078,6 +1095,10 @@ typedef struct hpf_f32_settings_t {
    */
   float tank_power;
   /*
+   The most a force reading may be off, after tare, of each axis [N]; used where has_port is not 0.
+   */
+  float port_force_bias[HPF_AXES_MAX];
+  /*
    Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
    */
   float longest_step;
@@ -1093,6 +1114,14 @@ typedef struct hpf_f32_settings_t {
    Oldest reading that is still good [steps].
    */
   uint32_t oldest_force;
+  /*
+   Whether the tank's energy is kept at the physical port too, by measured_position; 0: it is not.
+   */
+  uint32_t has_port;
+  /*
+   How many steps a fresh force reading may be late, 0 to 6; used where has_port is not 0.
+   */
+  uint32_t port_force_delay;
   /*
    Set to 0.
    */
@@ -1215,6 +1244,10 @@ typedef struct hpf_f32_output_t {
    Energy in the tank [J]; 0 without one.
    */
   float energy;
+  /*
+   Energy at the physical port [J]; 0 without one.
+   */
+  float port_energy;
   /*
    The first ones, as many as the controller has axes, are written.
    */

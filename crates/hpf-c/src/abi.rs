@@ -76,7 +76,8 @@ pub const HPF_REFUSED: u32 = 64;
 pub const HPF_FORCE_TRIPPED: u32 = 128;
 /// Flag of an output: the robot was further from the command than allowed.
 pub const HPF_TRACKING_TRIPPED: u32 = 256;
-/// Flag of an output: the tank has held back stiffness, motion along the path or a force set-point.
+/// Flag of an output: the tank has held back stiffness, motion along the path or a force set-point, or the port a
+/// motion.
 pub const HPF_ENERGY_SHORT: u32 = 512;
 /// Flag of an output: a measured position has been bad for longer than may be bridged; the path comes to rest.
 pub const HPF_POSITION_LOST: u32 = 1024;
@@ -236,6 +237,8 @@ pub struct Settings<T> {
     pub tank_refill: T,
     /// The most that switching may put into one axis [W].
     pub tank_power: T,
+    /// The most a force reading may be off, after tare, of each axis [N]; used where has_port is not 0.
+    pub port_force_bias: [T; HPF_AXES_MAX],
     /// Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
     pub longest_step: T,
     /// Time for the rate to go from 0 to 1 or back under way [s]; a start takes none. At most 10 s.
@@ -244,6 +247,10 @@ pub struct Settings<T> {
     pub hold: T,
     /// Oldest reading that is still good [steps].
     pub oldest_force: u32,
+    /// Whether the tank's energy is kept at the physical port too, by measured_position; 0: it is not.
+    pub has_port: u32,
+    /// How many steps a fresh force reading may be late, 0 to 6; used where has_port is not 0.
+    pub port_force_delay: u32,
     /// Set to 0.
     pub reserved: u32,
 }
@@ -314,6 +321,8 @@ pub struct Output<T> {
     pub rate: T,
     /// Energy in the tank [J]; 0 without one.
     pub energy: T,
+    /// Energy at the physical port [J]; 0 without one.
+    pub port_energy: T,
     /// The first ones, as many as the controller has axes, are written.
     pub axis: [AxisOutput<T>; HPF_AXES_MAX],
 }

@@ -2,7 +2,7 @@
 
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{self as control, Compliance, Mode, Request, Timing};
-use hpf_core::passivity::EnergyTank;
+use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{Real, limits};
 
 use crate::abi::*;
@@ -58,6 +58,8 @@ impl<T: Real + PartialOrd> Settings<T> {
         settings.tank = some(self.tank_capacity)
             .map(|capacity| EnergyTank::new(capacity, self.tank_reserve, self.tank_refill, self.tank_power))
             .transpose()?;
+        settings.port = (self.has_port != 0)
+            .then(|| Port { force_delay: self.port_force_delay, force_bias: first(&self.port_force_bias) });
         let &Self { longest_step, ramp, hold, oldest_force, .. } = self;
         settings.timing = Timing { longest_step, ramp, hold, oldest_force };
         Ok(settings)
@@ -82,6 +84,7 @@ impl<T: Real + PartialOrd> Settings<T> {
         (self.tool_mass, self.gravity, self.dead_zone, self.cutoff) = (T::ZERO, none, none, T::ZERO);
         (self.tank_capacity, self.tank_reserve) = (T::ZERO, T::ZERO);
         (self.tank_refill, self.tank_power, self.reserved) = (T::ZERO, T::ZERO, 0);
+        (self.has_port, self.port_force_delay, self.port_force_bias) = (0, 0, none);
     }
 }
 
@@ -137,6 +140,7 @@ impl<T: Real> Output<T> {
             status.tare_ready,
         ]);
         (self.phase, self.rate, self.energy) = (from.phase, from.rate, from.energy);
+        self.port_energy = from.port_energy;
         for (slot, axis) in self.axis.iter_mut().zip(&from.axes) {
             let &control::AxisOutput { position, velocity, stiffness, damping, offset, force, hits } = axis;
             let hits = bits([hits.force, hits.offset, hits.velocity, hits.acceleration, hits.position]);

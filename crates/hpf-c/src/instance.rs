@@ -15,13 +15,13 @@ use crate::storage::{List, Room, numbers};
 /// Alignment of the memory for a controller.
 pub const HPF_ALIGNMENT: usize = 8;
 /// Upper bound of what a single-precision controller needs beside its axes and lists.
-pub const HPF_F32_BYTES_BASE: usize = 512;
+pub const HPF_F32_BYTES_BASE: usize = 544;
 /// Upper bound of what each axis adds, without lists.
-pub const HPF_F32_BYTES_PER_AXIS: usize = 296;
+pub const HPF_F32_BYTES_PER_AXIS: usize = 376;
 /// Upper bound of what a double-precision controller needs beside its axes and lists.
-pub const HPF_F64_BYTES_BASE: usize = 736;
+pub const HPF_F64_BYTES_BASE: usize = 784;
 /// Upper bound of what each axis adds, without lists.
-pub const HPF_F64_BYTES_PER_AXIS: usize = 528;
+pub const HPF_F64_BYTES_PER_AXIS: usize = 688;
 
 /// A scalar that controllers are made for.
 pub trait Scalar: Real + PartialOrd {

@@ -10,7 +10,7 @@ use hpf_c::f64::*;
 use hpf_c::instance::*;
 use hpf_c::status::*;
 use hpf_core::controller::{Controller, Request};
-use hpf_core::passivity::EnergyTank;
+use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase, limits};
 
 const DECAY: f64 = 4.6;
@@ -146,7 +146,7 @@ impl Caller {
 }
 
 /// The same skill and settings, without C.
-fn controller<const D: usize>(time: bool) -> Controller<f64, [f64; N], D> {
+fn controller<const D: usize>(time: bool, port: bool) -> Controller<f64, [f64; N], D> {
     let noughts = [0.0; N];
     let basis = match time {
         true => Basis::equally_spaced_in_time(DECAY, 0.6, noughts, noughts),
@@ -167,16 +167,23 @@ fn controller<const D: usize>(time: bool) -> Controller<f64, [f64; N], D> {
     let mut settings = hpf_core::controller::Settings::compliant([limit; D]);
     settings.conditioning.cutoff = Some(100.0);
     settings.tank = Some(EnergyTank::new(2.0, 0.0, 0.9, 1e3).unwrap());
+    settings.port = port.then_some(Port { force_delay: 2, force_bias: [0.5; D] });
     Controller::new(skill, settings, [0.01; D]).unwrap()
 }
 
 fn same_over_a_movement<const D: usize>(family: u32, lists: u32) {
     let mut caller = Caller::new(D as u32, family, lists);
+    // One of the ways to keep lists meets the physical port too, with a robot that is where it was told to be.
+    let port = lists == HPF_LISTS_COPIED;
+    if port {
+        (caller.settings.has_port, caller.settings.port_force_delay) = (1, 2);
+        caller.settings.port_force_bias = [0.5; HPF_AXES_MAX];
+    }
     let exact = caller.bytes();
     let numbers = 2 * N + if lists == HPF_LISTS_COPIED { 3 * N * D } else { 0 };
     assert!(exact <= HPF_F64_BYTES_BASE + D * HPF_F64_BYTES_PER_AXIS + 8 * numbers);
     let handle = caller.create_in(exact).unwrap();
-    let mut ours = controller::<D>(family == HPF_BASIS_TIME);
+    let mut ours = controller::<D>(family == HPF_BASIS_TIME, port);
     let mut output: Output<f64> = prepared();
     for tick in 0..3700_u32 {
         let (request, choice) = match tick {
@@ -200,15 +207,22 @@ fn same_over_a_movement<const D: usize>(family: u32, lists: u32) {
         (input.request, input.rate, input.force_age) = (choice, 0.9, u32::from(tick == 1600) * 9);
         input.target = [if choice == HPF_GOAL { 0.2 } else { 0.1 }; HPF_AXES_MAX];
         input.measured_force = [force; HPF_AXES_MAX];
-        input.has_position = u32::from(tick == 2000);
-        input.measured_position = [f64::NAN; HPF_AXES_MAX];
+        let position = if tick == 2000 {
+            Some([f64::NAN; D])
+        } else {
+            port.then(|| ours.output().axes.each_ref().map(|axis| axis.position))
+        };
+        input.has_position = u32::from(position.is_some());
+        for (to, from) in input.measured_position.iter_mut().zip(position.into_iter().flatten()) {
+            *to = from;
+        }
         // SAFETY: all outlive the call.
         assert_eq!(unsafe { hpf_f64_update(handle, &input, dt, &mut output) }, HPF_OK);
         let expected = ours.update(
             &hpf_core::controller::Input {
                 measured_force: [force; D],
                 force_age: input.force_age,
-                measured_position: (tick == 2000).then_some([f64::NAN; D]),
+                measured_position: position,
                 rate: 0.9,
                 request,
             },
@@ -230,6 +244,8 @@ fn same_over_a_movement<const D: usize>(family: u32, lists: u32) {
             assert!(hits.into_iter().all(|(hit, flag)| hit == (found.hits & flag != 0)));
         }
         assert_eq!([output.phase, output.rate, output.energy], [expected.phase, expected.rate, expected.energy]);
+        assert_eq!(output.port_energy, expected.port_energy);
+        assert!(port || output.port_energy == 0.0);
         assert_eq!(output.mode, expected.mode as u32);
         let status = expected.status;
         let flags = [

@@ -18,6 +18,7 @@ use hpf_learn::Record;
 
 use crate::failure::Failure;
 use crate::files::{in_file, while_writing};
+use crate::nodes;
 
 /// Version of the file.
 const VERSION: &str = "2";
@@ -69,7 +70,8 @@ impl Checkpoint {
         inputs: &[Input],
         mut take: impl FnMut(Record) -> Result<(), Failure>,
     ) -> Result<(Self, u64), Failure> {
-        let file = File::options().read(true).write(true).open(path).map_err(in_file(path))?;
+        let file = nodes::replaceable(path).and_then(|()| File::options().read(true).write(true).open(path));
+        let file = file.map_err(in_file(path))?;
         let length = file.metadata().map_err(in_file(path))?.len();
         let mut reader = BufReader::new(&file);
         let mut line = Vec::new();

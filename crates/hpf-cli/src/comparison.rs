@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use crate::render::{measure, number};
+use crate::terminal::line as one_line;
 
 /// Longest value of a task key that is shown whole [letters].
 const LONGEST: usize = 28;
@@ -170,8 +171,9 @@ impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.sides.iter().map(|side| side.name.chars().count() + 2).max().unwrap_or(0).max(18);
         let mut line = |name: &str, cells: &[String]| {
-            let cells: Vec<String> = cells.iter().map(|cell| format!("{cell:>width$}")).collect();
-            writeln!(f, "{}", format!("{name:<FIRST$}{}", cells.concat()).trim_end())
+            let cells: Vec<String> = cells.iter().map(|cell| format!("{:>width$}", one_line(cell))).collect();
+            let (name, gap) = (one_line(name.trim_start_matches('\n')), if name.starts_with('\n') { "\n" } else { "" });
+            writeln!(f, "{gap}{}", format!("{name:<FIRST$}{}", cells.concat()).trim_end())
         };
         let each = |of: &dyn Fn(&Side) -> String| self.sides.iter().map(|side| of(side) + "  ").collect::<Vec<_>>();
         let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);

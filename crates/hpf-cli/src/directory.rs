@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
 use crate::files::{self, while_writing};
+use crate::nodes;
 
 /// The file that a run under way holds locked, inside its unfinished directory.
 const LOCK: &str = ".lock";
@@ -50,7 +51,7 @@ impl Unfinished {
                     target.display()
                 )));
             }
-            if !target.join("task.toml").is_file() {
+            if !nodes::is_run(&target) {
                 return Err(Failure::Input(format!(
                     "{} is no run directory: --force does not replace it, pass another --out",
                     target.display()
@@ -122,8 +123,10 @@ impl Unfinished {
         } else {
             return refuse(&target, "is no run that was broken off: there is nothing to go on with");
         }
-        let lock = File::options().create(true).truncate(false).write(true).open(partial.join(LOCK));
-        let lock = lock.map_err(while_writing(&partial))?;
+        let path = partial.join(LOCK);
+        let lock = nodes::replaceable(&path)
+            .and_then(|()| File::options().create(true).truncate(false).write(true).open(&path))
+            .map_err(while_writing(&path))?;
         if lock.try_lock().is_err() {
             return refuse(&partial, "belongs to a run that is going on; wait for it");
         }
@@ -190,7 +193,7 @@ impl Unfinished {
                 }
             }
             let old = free_name(&self.target);
-            let replaces = self.target.join("task.toml").is_file();
+            let replaces = nodes::is_run(&self.target);
             if replaces {
                 fs::rename(&self.target, &old)?;
             }
@@ -253,7 +256,7 @@ fn free_name(target: &Path) -> PathBuf {
 /// Removes what a broken-off run left, if it is that, nobody is at work there, and `force` is given.
 fn discard(partial: &Path, force: bool) -> Result<(), Failure> {
     let refuse = |why: &str| Err(Failure::Input(format!("{} {why}", partial.display())));
-    let lock = File::open(partial.join(LOCK));
+    let lock = nodes::open(&partial.join(LOCK));
     if lock.as_ref().is_ok_and(|lock| lock.try_lock().is_err()) {
         return refuse("belongs to a run that is going on; wait for it, or pass another --out");
     }

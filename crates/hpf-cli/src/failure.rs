@@ -3,6 +3,8 @@
 use core::fmt;
 use std::process::ExitCode;
 
+use crate::terminal::shown;
+
 /// A command that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -29,7 +31,8 @@ impl From<Outcome> for ExitCode {
 pub enum Failure {
     /// The user's input or arguments are wrong: the message says what is right.
     Input(String),
-    /// Mistakes in a task file, already rendered with their places.
+    /// Mistakes in a task file, already rendered with their places and colours; all else in it is
+    /// [`shown`](crate::terminal::shown).
     Report(String),
     /// The work itself failed.
     Work(String),
@@ -42,7 +45,7 @@ impl Failure {
     pub fn with(self, line: &str) -> Self {
         match self {
             Self::Input(message) => Self::Input(format!("{message}\n{line}")),
-            Self::Report(message) => Self::Report(format!("{message}\n{line}")),
+            Self::Report(message) => Self::Report(format!("{message}\n{}", shown(line))),
             Self::Work(message) => Self::Work(format!("{message}\n{line}")),
             Self::Interrupted(message) => Self::Interrupted(format!("{message}\n{line}")),
         }

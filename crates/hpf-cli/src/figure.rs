@@ -34,8 +34,9 @@ use rayon::prelude::*;
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::while_writing;
+use crate::files::{self, while_writing};
 use crate::results::Run;
+use crate::sinks::guarded;
 
 pub use self::chart::Figure;
 pub use self::distribution::{Group, Measure, Member, cost as sweep_cost, measures as sweep_measures};
@@ -108,30 +109,32 @@ fn is_plane(run: &Run) -> bool {
 /// [`Failure::Work`] that names the file; a figure is under its own name whole or not at all.
 pub fn draw(figures: &[Drawing<'_>], subject: &str, format: Format, folder: &Path) -> Result<Vec<String>, Failure> {
     fs::create_dir_all(folder).map_err(while_writing(folder))?;
-    let draw = |drawing: &Drawing<'_>| {
-        let name = format!("{}.{}", drawing.name, format.extension());
-        let path = folder.join(&name);
-        // The encoder goes by the ending of the name, so the temporary one keeps it.
-        let temporary = path.with_extension(format!("partial.{}", format.extension()));
-        let drawn = canvas::draw((drawing.make)(), subject, format, &temporary).map_err(while_writing(&path));
-        drawn.and_then(|()| fs::rename(&temporary, &path).map_err(while_writing(&path))).inspect_err(|_| {
-            // The error to report is the first one; a leftover is removed as far as possible.
-            let _ = fs::remove_file(&temporary);
-        })?;
-        Ok(name)
-    };
-    figures.par_iter().map(draw).collect()
+    figures.par_iter().map(|drawing| draw_one(drawing, subject, format, folder)).collect()
 }
 
-/// Draws the figures of `run` into `plots/` of its run directory.
-///
-/// # Errors
-/// As [`draw`].
-pub fn draw_into(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
-    for name in draw(&figures(run), &run.task.name, Format::Png, &folder.path("plots"))? {
-        folder.written(&format!("plots/{name}"));
+fn draw_one(drawing: &Drawing<'_>, subject: &str, format: Format, folder: &Path) -> Result<String, Failure> {
+    let name = format!("{}.{}", drawing.name, format.extension());
+    let path = folder.join(&name);
+    guarded(&path, || {
+        let bytes = canvas::draw((drawing.make)(), subject, format).map_err(while_writing(&path))?;
+        files::write(&path, bytes)
+    })?;
+    Ok(name)
+}
+
+/// Draws the figures of `run` into `plots/` of its run directory; returns why some of them could not be drawn.
+pub fn draw_into(run: &Run, folder: &mut Unfinished) -> Vec<Failure> {
+    let plots = folder.path("plots");
+    let drawn: Vec<_> =
+        figures(run).par_iter().map(|drawing| draw_one(drawing, &run.task.name, Format::Png, &plots)).collect();
+    let mut failures = Vec::new();
+    for outcome in drawn {
+        match outcome {
+            Ok(name) => folder.written(&format!("plots/{name}")),
+            Err(failure) => failures.push(failure),
+        }
     }
-    Ok(())
+    failures
 }
 
 #[cfg(test)]

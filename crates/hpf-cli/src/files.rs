@@ -1,23 +1,29 @@
 //! Reading tasks and policies, writing results: every message names the file.
 
 use core::fmt::Display;
-use std::fs::{self, File};
-use std::io::{self, Read as _, Write as _};
+use std::fs;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf, is_separator};
 
-use hpf_sim::Policy;
 use hpf_sim::environment::Disturbance;
 use hpf_sim::environment::disturbance::Samples;
 use hpf_sim::task::{Environment, MAX_TASK_BYTES, Process, Task};
+use hpf_sim::{Policy, TableEnd};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 use crate::cli::Common;
 use crate::failure::{Failure, Outcome};
-use crate::{overrides, report};
+use crate::terminal::{say, say_bytes, tell};
+use crate::{nodes, overrides, report};
 
 /// Largest data file read [bytes]: the longest trajectory of the most axes, in full digits.
 const MAX_BYTES: u64 = 2 << 30;
+
+/// The policy of a run.
+const POLICY: &str = "policy.json";
+/// What a run came to.
+const SUMMARY: &str = "summary.json";
 
 /// A task as it will run.
 pub struct LoadedTask {
@@ -69,13 +75,10 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 
 fn read_bytes_limited(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     let say = |what: String| Failure::Input(format!("{}: {what}", path.display()));
-    let file = File::open(path).map_err(|error| match error.kind() {
+    let file = nodes::open(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => say("there is no such file".into()),
         _ => say(error.to_string()),
     })?;
-    if path.is_dir() {
-        return Err(say("this is a directory, a file is wanted".into()));
-    }
     // A device tells no length: what is read is what counts.
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| say(error.to_string()))?;
@@ -127,12 +130,27 @@ pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failur
 
 /// Reads a force table: CSV with the header `time_s,force_n`.
 fn read_table(path: &Path) -> Result<Samples, Failure> {
-    parse_table(&read_text(path)?).map_err(|(line, column, what)| {
+    let text = read_text(path)?;
+    if let Some(note) = open_end(path, &text) {
+        tell(&format!("note: {note}"));
+    }
+    parse_table(&text).map_err(|(line, column, what)| {
         Failure::Input(format!(
             "{}:{line}:{column}: {what}; rows are a time [s] and a force [N], such as 0.5,10",
             path.display()
         ))
     })
+}
+
+/// What is to be said of the table `text` of the file `path` that ends without a line break and may be whole.
+pub fn open_end(path: &Path, text: &str) -> Option<String> {
+    match TableEnd::of(text) {
+        TableEnd::Open { number } => {
+            let path = path.display();
+            Some(format!("{path}: no line break follows the last number, {number}, which is taken as it stands"))
+        }
+        TableEnd::Whole | TableEnd::Cut { .. } => None,
+    }
 }
 
 /// The force table in `text`.
@@ -158,6 +176,13 @@ pub fn parse_table(text: &str) -> Result<Samples, (u64, usize, String)> {
         rows.push((number(0)?, number(1)?));
         lines.push(line);
     }
+    if let TableEnd::Cut { line, column, number } = TableEnd::of(text) {
+        let what = format!(
+            "the last number, {number}, is shorter than the others and no line break follows: the file may be cut; where \
+             it is whole, end it with a line break"
+        );
+        return Err((line, column, what));
+    }
     Samples::new(&rows).map_err(|error| {
         let line = error.row().and_then(|row| lines.get(row)).copied().unwrap_or(1);
         (line, 1, error.to_string())
@@ -170,7 +195,38 @@ pub fn parse_table(text: &str) -> Result<Samples, (u64, usize, String)> {
 /// [`Failure::Input`] that says which of its numbers cannot be.
 pub fn read_policy(path: &Path) -> Result<Policy, Failure> {
     let text = read_limited(path, hpf_sim::MAX_POLICY_BYTES as u64)?;
-    Policy::parse(&text).map_err(in_file(path))
+    let policy = Policy::parse(&text).map_err(in_file(path))?;
+    refuse_foreign(path, &text)?;
+    Ok(policy)
+}
+
+/// Refuses a policy that is not the one its run was finished with: costs and measures beside it are of another.
+fn refuse_foreign(path: &Path, text: &str) -> Result<(), Failure> {
+    let summary = path.with_file_name(SUMMARY);
+    if path.file_name().is_none_or(|name| name != POLICY) || !summary.is_file() {
+        return Ok(());
+    }
+    // A summary that is damaged is refused where it is read; what it does not say cannot be wrong.
+    let said: Option<Value> = read_text(&summary).ok().and_then(|text| serde_json::from_str(&text).ok());
+    match said.as_ref().and_then(|summary| summary["policy_sha256"].as_str()) {
+        Some(said) if said != sha256(text) => Err(in_file(path)(format!(
+            "this is not the policy that the run was finished with: {SUMMARY} says policy_sha256 {said}; copy it out of \
+             the run directory to use it as it is"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses the run of `summary`, the file, whose policy is another one than it says.
+///
+/// # Errors
+/// [`Failure::Input`] that names the policy.
+pub fn verify_run(summary: &Path) -> Result<(), Failure> {
+    let policy = summary.with_file_name(POLICY);
+    if !policy.is_file() {
+        return Ok(());
+    }
+    refuse_foreign(&policy, &read_limited(&policy, hpf_sim::MAX_POLICY_BYTES as u64)?)
 }
 
 /// The policy file that is meant: the one named, or that of the run directory named.
@@ -198,20 +254,7 @@ pub fn sha256(text: &str) -> String {
 /// # Errors
 /// [`Failure::Work`] that names the file.
 pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
-    let write = || -> io::Result<()> {
-        let temporary = path.with_added_extension("partial");
-        let mut file = File::create(&temporary)?;
-        let written = file.write_all(bytes.as_ref()).and_then(|()| file.sync_all());
-        match written.and_then(|()| fs::rename(&temporary, path)) {
-            Ok(()) => Ok(()),
-            Err(error) => {
-                // The error to report is the first one; a leftover is removed as far as possible.
-                let _ = fs::remove_file(&temporary);
-                Err(error)
-            }
-        }
-    };
-    write().map_err(while_writing(path))
+    nodes::write(path, bytes.as_ref()).map_err(while_writing(path))
 }
 
 /// Refuses a target that is no file, or stands there already and may not be replaced.
@@ -228,7 +271,7 @@ pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
     if target.symlink_metadata().is_ok() && !force {
         return refuse("it exists and is left as it is; pass --force to replace it, or --out to write elsewhere");
     }
-    Ok(())
+    nodes::replaceable(target).map_err(in_file(target))
 }
 
 /// Writes the file `target` and the folders above it, where nothing stands or it may be replaced.
@@ -271,26 +314,4 @@ pub fn deliver(
         None => say(&format!("{}: {} bytes\n", target.display(), bytes.len()))?,
     }
     Ok(Outcome::Done)
-}
-
-/// Prints a result on stdout. A reader that has seen enough, such as `head`, is no error.
-///
-/// # Errors
-/// [`Failure::Work`] where stdout cannot be written otherwise.
-pub fn say(text: &str) -> Result<(), Failure> {
-    say_bytes(text.as_bytes())
-}
-
-/// [`say`] for what is no text.
-///
-/// # Errors
-/// As for [`say`].
-pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::Work(format!("cannot write the result: {error}")))
-        }
-        _ => Ok(()),
-    }
 }

@@ -16,9 +16,10 @@ use crate::files::{LoadedTask, read_text, sha256, while_writing};
 use crate::interrupt;
 use crate::log::{Head, Log};
 use crate::process::Process;
-use crate::progress::{Meter, tell};
+use crate::progress::Meter;
 use crate::results::{LearningRow, Run, own_tables};
 use crate::start::{self, START};
+use crate::terminal::tell;
 
 /// The log while learning goes on.
 const LOG: &str = "log.mcap.partial";
@@ -35,6 +36,8 @@ pub struct Learned {
     pub time: Duration,
     /// Why learning broke off, if it did.
     pub failure: Option<String>,
+    /// Why the log that is written while learning broke off, if it did.
+    pub log_failure: Option<String>,
     /// Whether its motion is only as planned, because hpf has not seen the one that was made.
     is_planned: bool,
     /// Whether what failed may be mended, so that learning can go on.
@@ -125,7 +128,12 @@ fn learn_in<P: Problem>(
     let mut kept = Kept { task, simulation, rows: Vec::new(), snapshots: Vec::new() };
     let mut checkpoint = restore(loaded, folder, &mut session, &mut kept)?;
     let first_policy = start.to_json();
-    let mut log = log_so_far(&Head::new(task, &loaded.text, &first_policy), &kept.rows, folder)?;
+    // The log only shows what is learned: where it cannot be written, learning goes on without.
+    let (mut log, mut log_failure) = (None, None);
+    match log_so_far(&Head::new(task, &loaded.text, &first_policy), &kept.rows, folder) {
+        Ok(begun) => log = Some(begun),
+        Err(failure) => log_failure = Some(failure.to_string()),
+    }
     let log_path = folder.path(LOG);
 
     let mut meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, quiet);
@@ -150,7 +158,11 @@ fn learn_in<P: Problem>(
         if let Some(progress) = &told.progress {
             meter.show(progress);
             let row = kept.take(progress);
-            log.update(row).map_err(while_writing(&log_path))?;
+            if let Some(Err(error)) = log.as_mut().map(|log| log.update(row)) {
+                let failure = while_writing(&log_path)(error).to_string();
+                tell(&format!("{failure}; learning goes on without it"));
+                (log, log_failure) = (None, Some(failure));
+            }
         }
         checkpoint.append(&told.record)?;
         folder.keep_for_resume();
@@ -164,7 +176,7 @@ fn learn_in<P: Problem>(
     };
     let Kept { rows, snapshots, .. } = kept;
     let run = Run::learned(loaded, start.clone(), simulation, &history.best, rows, snapshots);
-    Ok(Learned { run, history, metrics: Vec::new(), time, failure, is_planned: false, is_mendable: false })
+    Ok(Learned { run, history, metrics: Vec::new(), time, failure, log_failure, is_planned: false, is_mendable: false })
 }
 
 /// What decides how learning goes on, besides the checkpoint: the task, its tables and the policy it starts from.

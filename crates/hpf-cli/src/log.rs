@@ -20,6 +20,7 @@ mod space;
 #[cfg(test)]
 mod tests;
 mod topic;
+mod work;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -41,6 +42,7 @@ pub use self::read::{Ending, summarize, summarize_bytes};
 pub use self::recover::{Recovered, recover};
 use self::topic::Topic;
 use crate::files::sha256;
+use crate::nodes;
 use crate::results::{LearningRow, Run};
 
 /// Version of what is in a log, in its metadata.
@@ -98,12 +100,7 @@ impl Log {
     /// # Errors
     /// What the system says.
     pub fn create(path: &Path, head: &Head<'_>) -> io::Result<Self> {
-        // A file that is still open elsewhere keeps its contents: this is another one under the same name.
-        match fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-        let file = BufWriter::new(File::create_new(path)?);
+        let file = BufWriter::new(nodes::create(path)?);
         Self::begin(NoSeek::new(file), head).map_err(to_io)
     }
 
@@ -225,14 +222,14 @@ pub fn write(path: &Path, head: &Head<'_>, run: &Run, metrics: &[Metric]) -> io:
         log.run(run, metrics).map_err(to_io)?;
         log.finish()
     });
-    let of_learning = path.with_added_extension("partial");
-    let written = written.and_then(|()| fs::rename(&partial, path)).and_then(|()| match fs::remove_file(of_learning) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    });
-    written.inspect_err(|_| {
+    let written = written.inspect_err(|_| {
         // The error to report is the first one; a leftover is removed as far as possible.
         let _ = fs::remove_file(&partial);
+    });
+    let of_learning = path.with_added_extension("partial");
+    written.and_then(|()| nodes::settle(&partial, path)).and_then(|()| match fs::remove_file(of_learning) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     })
 }
 
@@ -244,6 +241,20 @@ fn options() -> WriteOptions {
         // One thread: with more, the bytes would be others.
         .compression_threads(0)
         .disable_seeking(true)
+}
+
+/// What the user should know of the time in the log of a run of `task`: messages count in nanoseconds, their stamps in
+/// seconds of 32 bits.
+pub fn time_note(task: &Task) -> Option<String> {
+    let (step, end) = (task.rate.recip(), task.duration);
+    let most = f64::from(i32::MAX);
+    if end > most {
+        Some(format!("time stamps in logs end at {most} s: what comes later stands there"))
+    } else if step < 1e-9 {
+        Some(format!("logs count time in nanoseconds and a step takes {step:e} s: several stand at the same time"))
+    } else {
+        None
+    }
 }
 
 /// A time [s] in ns.

@@ -21,7 +21,7 @@ use self::protocol::{Answer, Kind};
 use self::worker::{PARTING, Worker};
 use crate::failure::Failure;
 use crate::interrupt::{self, Hold};
-use crate::progress::tell;
+use crate::terminal::tell;
 
 /// A task whose rollouts are made by processes.
 pub struct Process<'s> {

@@ -1,21 +1,17 @@
 //! How far learning has come, on stderr.
 
 use core::time::Duration;
-use std::io::{IsTerminal as _, Write as _, stderr};
+use std::io::{IsTerminal as _, stderr};
 use std::time::Instant;
 
 use hpf_learn::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::render::number;
+use crate::terminal::{line, shown, tell};
 
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(2);
-
-/// Writes a line to stderr; where that is full or closed, work goes on.
-pub fn tell(line: &str) {
-    let _ = writeln!(stderr(), "{line}");
-}
 
 /// A bar on a terminal, a plain line now and then elsewhere, nothing when quiet.
 pub enum Meter {
@@ -50,7 +46,7 @@ impl Meter {
             let _ = write!(line, "{:.0}", state.per_sec());
         };
         let style = style.with_key("rate", rate);
-        Self::Bar(bar.with_style(style).with_prefix(name.to_owned()))
+        Self::Bar(bar.with_style(style).with_prefix(line(name).into_owned()))
     }
 
     /// Shows an evaluation.
@@ -108,7 +104,7 @@ impl Tally {
         let bar = ProgressBar::with_draw_target(Some(all as u64), ProgressDrawTarget::stderr());
         let template = "{prefix} [{bar:30}] {pos}/{len} runs, {elapsed} gone, {eta} left";
         let style = ProgressStyle::with_template(template).expect("the template is valid");
-        let bar = bar.with_style(style).with_prefix(name.to_owned());
+        let bar = bar.with_style(style).with_prefix(line(name).into_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
         bar.set_position(done as u64);
         bar.reset_eta();
@@ -123,7 +119,7 @@ impl Tally {
             Self::Bar(bar) => {
                 bar.inc(1);
                 if let Some(complaint) = complaint {
-                    bar.println(complaint);
+                    bar.println(shown(&complaint));
                 }
             }
             Self::Lines { all, done, last } => {

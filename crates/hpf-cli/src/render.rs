@@ -5,11 +5,13 @@ use core::fmt::Write as _;
 use hpf_core::passivity::Case;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, cantilever::Curve};
-use hpf_sim::task::{Environment, Task, Unit};
-use hpf_sim::{Certificate, Conditions, Metric, Policy};
+use hpf_sim::task::{Environment, Gain, Task, Unit};
+use hpf_sim::{AxisTrace, Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
 
+use crate::results::Run;
 use crate::summary::Summary;
+use crate::terminal::line;
 
 /// The deviation that the paper claims for its cantilever [m].
 pub const PAPER_DEVIATION: f64 = 0.15e-3;
@@ -56,8 +58,9 @@ pub fn costs(summary: &Summary) -> String {
     text
 }
 
-/// Measures with their targets, ranges of stiffness and damping last.
-pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
+/// Measures of a run with their targets, ranges of stiffness and damping last.
+pub fn metrics(run: &Run, metrics: &[Metric]) -> String {
+    let task = &run.task;
     let mut text = format!("{:<20} {:>14}   {}\n", "measure", "value", "target");
     for metric in
         metrics.iter().filter(|metric| !metric.name.starts_with("stiffness") && !metric.name.starts_with("damping"))
@@ -72,26 +75,38 @@ pub fn metrics(task: &Task, metrics: &[Metric]) -> String {
         }
         text.push('\n');
     }
-    let find = |name: &str| metrics.iter().find(|metric| metric.name == name);
-    for (name, gain) in [("stiffness", &task.stiffness), ("damping", &task.damping)] {
-        if let (Some(min), Some(max)) = (find(&format!("{name}_min")), find(&format!("{name}_max"))) {
-            let range = format!("{} .. {}", number(min.value), measure(max.value, max.unit));
-            let bounds = |bound: &hpf_sim::task::PerAxis, pick: fn(f64, f64) -> f64| {
-                number(bound.values().iter().copied().reduce(pick).unwrap_or_default())
-            };
-            let _ = writeln!(
-                text,
-                "  {name:<18} {range:>14}   bounds {} .. {}",
-                bounds(&gain.min, f64::min),
-                bounds(&gain.max, f64::max)
-            );
-        }
+    type Signal = fn(&AxisTrace) -> &[f64];
+    let gains: [(_, _, Signal); 2] =
+        [("stiffness", &task.stiffness, |axis| &axis.stiffness), ("damping", &task.damping, |axis| &axis.damping)];
+    for (name, gain, signal) in gains {
+        text += &gain_lines(task, name, gain, run.trajectory.axes.iter().map(signal));
     }
     text
 }
 
+/// Ranges and bounds of a gain: in one line where all axes have the same, else by axis.
+fn gain_lines<'t>(task: &Task, name: &str, gain: &Gain, signals: impl Iterator<Item = &'t [f64]>) -> String {
+    let line = |(a, signal): (usize, &[f64])| {
+        let unit = match (task.axis[a].unit, name) {
+            (Unit::M, "stiffness") => "N/m",
+            (Unit::M, _) => "N s/m",
+            (Unit::Rad, "stiffness") => "N m/rad",
+            (Unit::Rad, _) => "N m s/rad",
+        };
+        let (low, high) = signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (v.min(l), v.max(h)));
+        let range = format!("{} .. {}", number(low), measure(high, unit));
+        format!("{range:>14}   bounds {} .. {}", number(gain.min.of(a)), number(gain.max.of(a)))
+    };
+    let lines: Vec<String> = signals.enumerate().map(line).collect();
+    if lines.iter().all(|line| *line == lines[0]) {
+        return lines.first().map_or(String::new(), |line| format!("  {name:<18} {line}\n"));
+    }
+    let named = task.axis.iter().map(|axis| format!("{name} {}", axis.name)).zip(&lines);
+    named.map(|(name, line)| format!("  {name:<18} {line}\n")).collect()
+}
+
 /// All of a learned run.
-pub fn learned(task: &Task, summary: &Summary, notes: &[String], folder: &str, files: &[String], next: &str) -> String {
+pub fn learned(run: &Run, summary: &Summary, notes: &[String], folder: &str, files: &[String], next: &str) -> String {
     let mut text = format!(
         "{}: {} updates, {} motions, {:.2} s of learning ({:.2} s in all), seed {}; stopped because {}\n",
         summary.task,
@@ -108,20 +123,20 @@ pub fn learned(task: &Task, summary: &Summary, notes: &[String], folder: &str, f
     if summary.rejected > 0 {
         let _ = writeln!(text, "{} rollouts had no finite cost and were left out", summary.rejected);
     }
-    let _ = write!(text, "\n{}\n{}", costs(summary), metrics(task, &summary.metrics));
+    let _ = write!(text, "\n{}\n{}", costs(summary), metrics(run, &summary.metrics));
     let _ = write!(text, "\nwritten to {folder}:\n{}", wrapped(files));
     let _ = write!(text, "\nnext: {next}\n");
     text
 }
 
 /// A simulated policy.
-pub fn simulated(task: &Task, summary: &Summary, folder: Option<&str>, files: &[String]) -> String {
-    let mut text = format!("{} at {} Hz\n\n{:<16} {:>12}\n", summary.task, task.rate, "cost", "");
+pub fn simulated(run: &Run, summary: &Summary, folder: Option<&str>, files: &[String]) -> String {
+    let mut text = format!("{} at {} Hz\n\n{:<16} {:>12}\n", summary.task, run.task.rate, "cost", "");
     for (name, value) in Term::NAMES.iter().zip(&summary.last.1).filter(|(_, value)| **value != 0.0) {
         let _ = writeln!(text, "  {name:<14} {:>12}", number(*value));
     }
     let _ = writeln!(text, "  {:<14} {:>12}\n", "total", number(summary.last.0));
-    text += &metrics(task, &summary.metrics);
+    text += &metrics(run, &summary.metrics);
     if let Some(folder) = folder {
         let _ = write!(text, "\nwritten to {folder}:\n{}", wrapped(files));
     }
@@ -200,10 +215,10 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
 
 /// What a policy is.
 pub fn policy(policy: &Policy) -> String {
-    let mut text = format!("{}: a valid policy, {} s\n", policy.task, policy.duration_s);
+    let mut text = format!("{}: a valid policy, {} s\n", line(&policy.task), policy.duration_s);
     for axis in &policy.axes {
         let unit = if axis.unit == Unit::M { "m" } else { "rad" };
-        let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
+        let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", line(&axis.name), axis.start, axis.goal);
         for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
             let range = gain.weights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, w| (r.0.min(*w), r.1.max(*w)));
             let _ = writeln!(
@@ -222,7 +237,7 @@ pub fn policy(policy: &Policy) -> String {
     let _ = writeln!(
         text,
         "  learned     hpf {}, seed {}, {} updates, cost {}",
-        from.hpf,
+        line(&from.hpf),
         from.seed,
         from.updates,
         number(from.cost)
@@ -284,7 +299,7 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
         let (tool, safe) = (number(certificate.tool_mass), number(certificate.safe_tool_mass));
         let least = number(certificate.least_damping);
         let (velocity, acceleration) = (number(certificate.peak_velocity), number(certificate.peak_acceleration));
-        let _ = writeln!(text, "  {}", axis.name);
+        let _ = writeln!(text, "  {}", line(&axis.name));
         let _ = writeln!(text, "    stable    {stable}");
         let _ = writeln!(text, "    passive   {passive}");
         let _ = writeln!(
@@ -306,7 +321,7 @@ pub fn certificates(policy: &Policy, conditions: &Conditions, certificates: &[Ce
 
 /// A summary read back from a run directory.
 pub fn summary(summary: &Value) -> String {
-    let text_of = |key: &str| summary[key].as_str().unwrap_or("?").to_owned();
+    let text_of = |key: &str| line(summary[key].as_str().unwrap_or("?")).into_owned();
     let number_of = |value: &Value| value.as_f64().map_or("?".into(), number);
     let mut text = format!(
         "{}: {}, {} updates, {} motions, seed {}; stopped because {}\n\n{:<16} {:>12} {:>12}\n",
@@ -323,6 +338,7 @@ pub fn summary(summary: &Value) -> String {
     for (name, before) in summary["cost"]["initial"].as_object().into_iter().flatten() {
         let after = &summary["cost"]["final"][name];
         if before.as_f64() != Some(0.0) || after.as_f64() != Some(0.0) {
+            let name = line(name);
             let _ = writeln!(text, "  {name:<14} {:>12} {:>12}", number_of(before), number_of(after));
         }
     }
@@ -330,7 +346,7 @@ pub fn summary(summary: &Value) -> String {
     for metric in summary["metrics"].as_array().into_iter().flatten() {
         let unit = metric["unit"].as_str().unwrap_or_default();
         let show = |value: &Value| value.as_f64().map_or("?".into(), |value| measure(value, unit));
-        let _ = write!(text, "  {:<18} {:>14}", metric["name"].as_str().unwrap_or("?"), show(&metric["value"]));
+        let _ = write!(text, "  {:<18} {:>14}", line(metric["name"].as_str().unwrap_or("?")), show(&metric["value"]));
         if let Some(pass) = metric["pass"].as_bool() {
             let _ = write!(text, "   {}, at most {}", if pass { "pass" } else { "MISSED" }, show(&metric["target"]));
         }

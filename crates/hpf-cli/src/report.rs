@@ -4,6 +4,7 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use hpf_sim::Diagnostic;
 
 use crate::failure::Failure;
+use crate::terminal::shown;
 
 /// More mistakes than this are counted, not shown.
 const MOST_SHOWN: usize = 20;
@@ -11,15 +12,16 @@ const MOST_SHOWN: usize = 20;
 /// All mistakes `found` in `text`, the file `name`: place, line, what is wrong, what is allowed.
 pub fn render(found: &[Diagnostic], text: &str, name: &str) -> Failure {
     let renderer = if crate::style::is_colored() { Renderer::styled() } else { Renderer::plain() };
+    let name = &*shown(name);
     let mut report = String::new();
     for diagnostic in found.iter().take(MOST_SHOWN) {
         let end = diagnostic.span.end.min(text.len());
         let start = diagnostic.span.start.min(end);
         let mark = AnnotationKind::Primary.span(start..end);
         let group = Level::ERROR
-            .primary_title(diagnostic.message.as_str())
+            .primary_title(shown(&diagnostic.message))
             .element(Snippet::source(text).path(name).annotation(mark))
-            .element(Level::HELP.message(diagnostic.help.as_str()));
+            .element(Level::HELP.message(shown(&diagnostic.help)));
         report += &renderer.render(&[group]);
         report += "\n\n";
     }

@@ -15,6 +15,7 @@ use crate::directory::Unfinished;
 use crate::failure::Failure;
 use crate::files::{LoadedTask, in_file, read_policy, read_task, read_text, while_writing};
 use crate::log::Head;
+use crate::sinks::guarded;
 use crate::{figure, log};
 
 /// A run: the task as run, the policy it led to, and the way there.
@@ -237,16 +238,25 @@ pub fn own_tables(task: &mut Task) -> Vec<OwnTable> {
     tables
 }
 
-/// Writes all of a run but its task and summary, the policy first; returns the text of the policy.
-pub fn save(run: &Run, task_text: &str, metrics: &[Metric], folder: &mut Unfinished) -> Result<String, Failure> {
+/// Writes all of a run but its task and summary, the policy first. What only shows it, log and figures, may fail without
+/// harm to the rest: the failures are returned.
+///
+/// # Errors
+/// [`Failure`] where a policy or a table cannot be written.
+pub fn save(run: &Run, task_text: &str, metrics: &[Metric], folder: &mut Unfinished) -> Result<Vec<Failure>, Failure> {
     let policy = run.policy.to_json();
     folder.write("policy.json", &policy)?;
     write_tables(run, folder)?;
     let path = folder.path("log.mcap");
-    log::write(&path, &Head::new(&run.task, task_text, &policy), run, metrics).map_err(while_writing(&path))?;
-    folder.written("log.mcap");
-    figure::draw_into(run, folder)?;
-    Ok(policy)
+    let head = Head::new(&run.task, task_text, &policy);
+    let logged = guarded(&path, || log::write(&path, &head, run, metrics).map_err(while_writing(&path)));
+    let mut failures = Vec::new();
+    match logged {
+        Ok(()) => folder.written("log.mcap"),
+        Err(failure) => failures.push(failure),
+    }
+    failures.extend(figure::draw_into(run, folder));
+    Ok(failures)
 }
 
 /// Writes every table of a run.

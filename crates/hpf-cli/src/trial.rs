@@ -10,6 +10,7 @@ use crate::directory::Unfinished;
 use crate::failure::Failure;
 use crate::files::{LoadedTask, read_task};
 use crate::results::{self, LearningRow, OwnTable, Run};
+use crate::sinks::told;
 use crate::summary::Summary;
 use crate::{interrupt, overrides};
 
@@ -103,7 +104,7 @@ pub fn learn(loaded: &LoadedTask) -> Result<Trial, Broken> {
 /// Writes the run directory `target` of a trial, over what stands there; with its snapshots, log and plots where `full`.
 ///
 /// # Errors
-/// [`Failure`] that names what could not be written.
+/// [`Failure`] that names what could not be written; a log or figures that failed leave the rest whole.
 pub fn save(trial: &Trial, prepared: &Prepared, full: bool, target: &Path) -> Result<(), Failure> {
     let mut folder = Unfinished::begin(target, true)?;
     let saved = (|| {
@@ -111,17 +112,21 @@ pub fn save(trial: &Trial, prepared: &Prepared, full: bool, target: &Path) -> Re
         for table in &prepared.tables {
             folder.write(&table.name, &table.csv)?;
         }
+        let mut failures = Vec::new();
         if full {
-            results::save(&trial.run, &prepared.loaded.text, &trial.summary.metrics, &mut folder)?;
+            failures = results::save(&trial.run, &prepared.loaded.text, &trial.summary.metrics, &mut folder)?;
         } else {
             folder.write("policy.json", trial.run.policy.to_json())?;
             folder.write("learning.csv", results::learning_csv(&trial.run.learning))?;
             folder.write("trajectory.csv", results::trajectory_csv(&trial.run.task, &trial.run.trajectory))?;
         }
-        folder.write("summary.json", format!("{:#}\n", trial.summary.to_json()))
+        folder.write("summary.json", format!("{:#}\n", trial.summary.to_json())).map(|()| failures)
     })();
     match saved {
-        Ok(()) => folder.finish(false),
+        Ok(failures) => {
+            folder.finish(false)?;
+            told(&failures, &target.display().to_string())
+        }
         Err(failure) => Err(folder.abandon(failure)),
     }
 }

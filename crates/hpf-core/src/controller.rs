@@ -10,7 +10,8 @@
 //!    in time, never off the path;
 //! 6. the admittance of every axis, exact; then the limits, and what they cut is written back to the offset: nothing
 //!    winds up. An offset at its limit drags the reference along;
-//! 7. the books of energy, on what really was commanded.
+//! 7. the books of energy, on what really was commanded; those of the [`Port`](crate::passivity::Port), on what was
+//!    measured, are made before the reference and confine the command to where it can be paid for.
 //!
 //! The tank keeps `sum f dx >= -(E_t0 - E_min)` from rest, for every force and stiffness, by either law, compliant or
 //! pressing, while no limit of motion cuts. What is left of it is spent ever slower, never switched off: the path takes
@@ -25,6 +26,7 @@
 mod exchange;
 pub mod faults;
 mod mode;
+mod port;
 mod reference;
 mod sense;
 mod settings;
@@ -43,6 +45,7 @@ use crate::admittance::{Inertial, OffsetMotion};
 use crate::conditioning::{ForceState, TareWindow};
 use crate::limits::Hits;
 use crate::movement::Increment;
+use crate::passivity::PortAxis;
 use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 
 /// A skill, its settings and its state; `S` holds each list: `[T; N]`, or `&'static [T; N]` for lists in flash.
@@ -98,6 +101,8 @@ pub struct Controller<T, S, const D: usize> {
     phase_remainder: T,
     counters: Counters,
     pace: Pace<T>,
+    /// Whether the books of the physical port have begun.
+    port_known: bool,
     /// The last output; phase, rate, energy, mode and motion of the commands are the state of what they say.
     last: Output<T, D>,
 }
@@ -126,6 +131,8 @@ struct AxisState<T> {
     law: Option<Inertial<T>>,
     /// The reference's step at the last [`Pace`].
     step: Increment<T>,
+    /// The books of the physical port.
+    port: PortAxis<T>,
 }
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
@@ -150,10 +157,11 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         };
         let still = OffsetMotion { offset: T::ZERO, velocity: T::ZERO };
         let reference = Reference::at_rest(T::ZERO, T::ZERO);
+        let port = PortAxis::at_rest(T::ZERO, T::ZERO);
         let mut controller = Self {
             settings,
             end_phase: skill.phase().end(),
-            axes: laws.map(|law| AxisState { reference, offset: still, law, step: Increment::NONE }),
+            axes: laws.map(|law| AxisState { reference, offset: still, law, step: Increment::NONE, port }),
             force: ForceState::default(),
             good_force: [T::ZERO; D],
             tare: TareWindow::default(),
@@ -163,11 +171,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             phase_remainder: T::ZERO,
             counters: Counters::default(),
             pace: Pace { dt: T::ZERO, settled: T::ZERO, spends: T::ZERO, rate: T::ZERO, half: T::ZERO },
+            port_known: false,
             last: Output {
                 axes: [rest; D],
                 phase: T::ONE,
                 rate: T::ZERO,
                 energy: T::ZERO,
+                port_energy: T::ZERO,
                 mode: Mode::Idle,
                 status: Status::default(),
             },
@@ -224,8 +234,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                     state.law = law;
                 }
                 // What a smaller tank cannot hold is gone.
-                let energy = self.last.energy;
-                self.last.energy = settings.tank.map_or(T::ZERO, |tank| energy.at_most(tank.capacity()));
+                let most = settings.tank.map_or(T::ZERO, |tank| tank.capacity());
+                self.last.energy = self.last.energy.at_most(most);
+                // A port that is added later starts empty, like a tank.
+                if self.settings.port.is_none() {
+                    self.open_port();
+                }
+                self.last.port_energy = settings.port.map_or(T::ZERO, |_| self.last.port_energy.at_most(most));
                 self.settings = settings;
                 self.pace.dt = T::ZERO;
                 self.tare = TareWindow::default();
@@ -252,8 +267,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             None => self.stand(input),
         }
         // In parts: as a whole it is copied by a call on a microcontroller.
-        let Output { axes, phase, rate, energy, mode, status } = self.last;
-        Output { axes, phase, rate, energy, mode, status }
+        let Output { axes, phase, rate, energy, port_energy, mode, status } = self.last;
+        Output { axes, phase, rate, energy, port_energy, mode, status }
     }
 
     /// Does what is asked for; returns whether it did.
@@ -311,6 +326,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         self.last.phase = T::ONE;
         self.last.rate = T::ZERO;
         self.last.energy = self.settings.tank.map_or(T::ZERO, |tank| tank.capacity());
+        self.last.port_energy = self.settings.port.map_or(T::ZERO, |_| self.last.energy);
+        self.open_port();
         (self.ended, self.moved, self.phase_remainder) = (false, false, T::ZERO);
         (self.tare, self.debts) = (TareWindow::default(), Debts::UNREAD);
         Ok(())

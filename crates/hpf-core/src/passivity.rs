@@ -17,16 +17,20 @@
 //! | k, m | stiffness, mass | N/m, kg |
 //! | W, S, D, E_t | energies | J |
 //!
-//! [`EnergyTank`] pays for switching out of what was dissipated before. [`first_order_fails_at`],
+//! [`EnergyTank`] pays for switching out of what was dissipated before; a [`Port`] keeps the same energy on what was
+//! measured. [`first_order_fails_at`],
 //! [`inertial_decay`], [`largest_offset`] and [`switched_energy`] judge a schedule of gains before it runs,
 //! [`ForceLoop`] the tool and the contact it is run with.
 
 mod certificate;
 mod contact;
+mod port;
 mod tank;
 
 pub use certificate::{contact_stiffness_limit, first_order_fails_at, inertial_decay, largest_offset, switched_energy};
 pub use contact::{Case, Contact, ForceLoop, Load, MOST_DELAY, Sampling, safe_tool_mass};
+pub(crate) use port::PortAxis;
+pub use port::{LONGEST_DELAY, Port};
 pub use tank::EnergyTank;
 
 use crate::Real;

@@ -7,7 +7,7 @@ mod support;
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Mode, Output, Request, Settings, Timing};
 use hpf_core::limits::Limits;
-use hpf_core::passivity::EnergyTank;
+use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{Damping, Law};
 use support::{Family, N, skill};
 
@@ -85,6 +85,10 @@ macro_rules! campaign {
                             .ok()
                     })
                     .flatten();
+                // Seldom, because it ties a tool to a robot that is not here.
+                let port = dice
+                    .one_in(8)
+                    .then(|| Port { force_delay: (dice.next() % 8) as u32, force_bias: [nasty(dice, 0.0, 2.0); AXES] });
                 Settings {
                     axes,
                     conditioning: ForceConditioning {
@@ -94,6 +98,7 @@ macro_rules! campaign {
                         dead_zone: [nasty(dice, 0.0, 3.0); 2],
                     },
                     tank,
+                    port,
                     timing: Timing {
                         longest_step: nasty(dice, 0.002, 0.02),
                         ramp: nasty(dice, 0.01, 0.5),
@@ -156,6 +161,7 @@ macro_rules! campaign {
             fn check(arm: &Arm, last: &Output<$float, AXES>, now: &Output<$float, AXES>, dt: f64, put: bool) {
                 let settings = arm.settings();
                 assert!((0.0..=1.0).contains(&now.phase) && (0.0..=1.0).contains(&now.rate) && now.energy.is_finite());
+                assert!(now.port_energy.is_finite());
                 assert!(put || now.phase <= last.phase);
                 assert!(now.mode == Mode::Fault || last.mode != Mode::Fault || put, "a fault is latched");
                 assert!(now.mode != Mode::Run || !matches!(last.mode, Mode::Stop), "a stop is latched");

@@ -1,7 +1,7 @@
 //! Every kernel against the closed form of its equation.
 
 use hpf_core::admittance::{Instant, relax, step_offset};
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, MovementState, Phase, Transition};
+use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Law, Movement, MovementState, Phase, Transition};
 
 const ALPHA: f64 = 25.0;
 
@@ -309,6 +309,7 @@ fn after_its_duration_the_forcing_fades_to_exactly_zero() {
         movement: Movement::new(0.1, 0.4, 25.0, 0.3, weights).unwrap(),
         stiffness: Gain::new(30.0, 400.0, [100.0; 9]).unwrap(),
         damping: Gain::new(10.0, 100.0, [50.0; 9]).unwrap(),
+        law: Law::FirstOrder,
     };
     let skill = HybridPrimitive::new(phase, [basis; 3], [axis]).unwrap();
     for i in 0..=100 {

@@ -64,7 +64,10 @@ fn every_refusal_names_its_culprit() {
         (Limits { force: 0.0, ..LIMITS }, "limits.force must be positive, not 0"),
         (Limits { offset: f64::NAN, ..LIMITS }, "limits.offset is not a finite number"),
         (Limits { velocity: -1.0, ..LIMITS }, "limits.velocity must be positive, not -1"),
-        (Limits { acceleration: 1e10, ..LIMITS }, "limits.acceleration must lie in [0, 1000000000], not 10000000000"),
+        (
+            Limits { acceleration: 1e10, ..LIMITS },
+            "limits.acceleration must lie in [0.000000001, 1000000000], not 10000000000",
+        ),
         (
             Limits { position: [0.3, -0.2], ..LIMITS },
             "limits.position has its lower bound 0.3 above its upper bound -0.2",

@@ -28,6 +28,8 @@ fn main() -> ExitCode {
         "via_point" => include_str!("../../../tasks/via_point.toml"),
         _ => return ExitCode::FAILURE,
     };
+    // Of the movement alone, without the rest time that its price adds.
+    let text = &text.replace("\nrest = ", "\n# rest = ");
     let Ok(times) = times.parse::<u32>() else { return ExitCode::FAILURE };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     pool.install(|| {

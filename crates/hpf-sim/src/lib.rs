@@ -16,6 +16,7 @@ mod problem;
 pub mod robot;
 mod simulation;
 mod start;
+mod table_end;
 pub mod task;
 mod trace;
 
@@ -28,5 +29,6 @@ pub use policy::{
 };
 pub use simulation::{Simulation, SimulationError, Workspace, disturbances};
 pub use start::StartError;
+pub use table_end::TableEnd;
 pub use task::{Diagnostic, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

@@ -6,7 +6,7 @@ use crate::simulation::Simulation;
 use crate::task::{Unit, ViaPoint};
 use crate::trace::{AxisTrace, Trace};
 
-/// How long a motion may take to settle before its contact force is judged [s]; a shorter motion is judged at its end.
+/// How long a motion may take to settle before its contact force is judged, where the task does not say [s].
 pub const SETTLING_TIME: f64 = 0.1;
 
 /// The measure that is a mean over draws.
@@ -66,7 +66,7 @@ impl Simulation {
             let (length, force) = ("m", "N");
             let deviation = largest(contact.deviation[..=steps].iter().map(|deviation| deviation.abs()));
             metrics.push(metric("max_deviation", length, deviation, accept.max_deviation));
-            let settling = SETTLING_TIME.min(trace.time[steps]);
+            let settling = accept.settling_time.unwrap_or(SETTLING_TIME).min(trace.time[steps]);
             let settled = trace.time.iter().zip(&contact.force[..=steps]).filter(|(time, _)| **time >= settling);
             let error = largest(settled.map(|(_, force)| (force - contact.set_point).abs()));
             metrics.push(metric("max_force_error", force, error, accept.max_force_error));

@@ -8,6 +8,7 @@ mod basis;
 mod keys;
 mod learning;
 mod process;
+mod repair;
 mod rules;
 mod sizes;
 
@@ -317,9 +318,13 @@ pub struct Accept {
     /// Largest deviation from the curve of the contact [m].
     #[schemars(range(min = 0))]
     pub max_deviation: Option<f64>,
-    /// Largest error of the contact force after the first 0.1 s of the motion [N].
+    /// Largest error of the contact force after `settling_time` [N].
     #[schemars(range(min = 0))]
     pub max_force_error: Option<f64>,
+    /// Time from the start of the motion that `max_force_error` leaves out [s]; left out, 0.1. A shorter motion is judged
+    /// at its end.
+    #[schemars(range(min = 0))]
+    pub settling_time: Option<f64>,
     /// Time without contact, all of it together [s].
     #[schemars(range(min = 0))]
     pub max_contact_loss: Option<f64>,
@@ -412,7 +417,7 @@ impl Task {
             let help = "a task needs at least name, duration, rate, one [[axis]], [stiffness] and [damping]";
             return Err(vec![Diagnostic { span: 0..0, message: "the file is empty".into(), help: help.into() }]);
         }
-        read_checked(text, &Self::schema(), "the task", rules::check)
+        read_checked(text, &Self::schema(), "the task", &rules::check)
     }
 
     /// The JSON schema of the task file.
@@ -493,12 +498,15 @@ impl Task {
     }
 }
 
+/// What contradicts itself in a value that was read from a document: appended to what was found.
+type Rules<'r, V> = &'r dyn Fn(&V, &keys::Document<'_>, &mut Vec<Diagnostic>);
+
 /// Reads a file of what `schema` describes, called `whole` in messages; `rules` append what contradicts itself.
 fn read_checked<V: DeserializeOwned>(
     text: &str,
     schema: &serde_json::Value,
     whole: &str,
-    rules: impl FnOnce(&V, &keys::Document<'_>, &mut Vec<Diagnostic>),
+    rules: Rules<'_, V>,
 ) -> Result<V, Vec<Diagnostic>> {
     let document = keys::Document::parse(text)?;
     let mut found = document.check_against(schema, whole);
@@ -515,10 +523,31 @@ fn read_checked<V: DeserializeOwned>(
             }
         }
         Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
-        Err(_) => {}
+        Err(_) => contradictions(&document, schema, rules, &mut found),
     }
     found.sort_by_key(|diagnostic| diagnostic.span.start);
     Err(found)
+}
+
+/// Appends the contradictions of a `document` that cannot be read for its other mistakes, those `found`: what does not
+/// hang on any of them.
+fn contradictions<V: DeserializeOwned>(
+    document: &keys::Document<'_>,
+    schema: &serde_json::Value,
+    rules: Rules<'_, V>,
+    found: &mut Vec<Diagnostic>,
+) {
+    let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
+    let of_repaired = |is_second: bool| {
+        let repair = repair::Repair { schemas: keys::Schemas::of(schema), told: &told, is_second };
+        let value = V::deserialize(repair.of(document, schema)).ok()?;
+        let mut all = found.clone();
+        rules(&value, document, &mut all);
+        Some(all.split_off(found.len()))
+    };
+    let (Some(first), Some(second)) = (of_repaired(false), of_repaired(true)) else { return };
+    let is_told = |span: &Range<usize>| told.iter().any(|told| told.start <= span.start && span.end <= told.end);
+    found.extend(first.into_iter().filter(|one| second.contains(one) && !is_told(&one.span)));
 }
 
 /// As [`read_checked`] for other files than tasks; `rules` say a path, what is wrong there, and what helps.
@@ -526,9 +555,9 @@ pub(crate) fn read<V: DeserializeOwned>(
     text: &str,
     schema: &serde_json::Value,
     whole: &str,
-    rules: impl FnOnce(&V, &mut dyn FnMut(&str, String, String)),
+    rules: impl Fn(&V, &mut dyn FnMut(&str, String, String)),
 ) -> Result<V, Vec<Diagnostic>> {
-    read_checked(text, schema, whole, |value, document, found| {
+    read_checked(text, schema, whole, &|value, document, found| {
         rules(value, &mut |path, message, help| found.push(Diagnostic { span: document.span(path), message, help }));
     })
 }

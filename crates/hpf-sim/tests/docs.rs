@@ -66,7 +66,10 @@ impl<'s> Page<'s> {
         let mut limits = vec![words.join(" or ")];
         let bounds = [("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<")];
         for (name, sign) in bounds {
-            if let Some(bound) = schema[name].as_f64() {
+            // A whole number is written as it is, whatever its size.
+            if let Some(bound) = schema[name].as_i64() {
+                limits.push(format!("{sign} {bound}"));
+            } else if let Some(bound) = schema[name].as_f64() {
                 limits.push(format!("{sign} {bound}"));
             }
         }

@@ -408,5 +408,7 @@ fn durations_and_rates_are_those_asked_for() {
     assert_eq!(found(DurationFrom::Mean, None), (2.0, 100));
     assert_eq!(found(DurationFrom::First, None), (1.9, 100));
     assert_eq!(found(DurationFrom::Given(4.0), Some(250.0)), (4.0, 1000));
-    assert_eq!(found(DurationFrom::Given(0.999), Some(100.0)), (0.999, 100));
+    // A rate that is asked for is exact: the duration is the nearest that it cuts into whole steps.
+    assert_eq!(found(DurationFrom::Given(0.999), Some(100.0)), (1.0, 100));
+    assert_eq!(found(DurationFrom::First, Some(1000.0 / 3.0)), (633.0 / (1000.0 / 3.0), 633));
 }

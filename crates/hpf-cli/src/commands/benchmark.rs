@@ -8,7 +8,8 @@ use crate::benchmark::{Study, figures, json, markdown};
 use crate::cli::{Benchmark, Common};
 use crate::failure::{Failure, Outcome};
 use crate::figure::{self, Format};
-use crate::files::{self, say, while_writing};
+use crate::files::{self, while_writing};
+use crate::terminal::say;
 
 /// Runs `hpf benchmark`.
 pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failure> {
@@ -28,12 +29,12 @@ pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failur
     let Some(study) = Study::learn(&options.task, seeds, options.motions, common.quiet)? else {
         return Ok(Outcome::Interrupted);
     };
-    figure::draw(&figures(&study), "", Format::Png, &folder.join("images/benchmarks"))?;
     let seconds = started.elapsed().as_secs_f64();
     let object = json(&study, seconds);
     files::write(&folder.join("benchmarks.json"), format!("{object:#}\n"))?;
     let text = markdown(&study, seconds);
     files::write(&page, &text)?;
+    figure::draw(&figures(&study), "", Format::Png, &folder.join("images/benchmarks"))?;
     if common.json {
         say(&format!("{object:#}\n"))?;
     } else {

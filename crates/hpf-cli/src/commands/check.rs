@@ -9,8 +9,9 @@ use serde_json::{Value, json};
 
 use crate::cli::{Check, Common};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, policy_path, read_policy, read_task, say};
-use crate::render;
+use crate::files::{in_file, policy_path, read_policy, read_task};
+use crate::terminal::say;
+use crate::{log, render};
 
 /// Control rate of a policy where neither `--rate` nor a task beside it says one [Hz].
 const RATE: f64 = 1000.0;
@@ -67,7 +68,7 @@ fn warnings(task: &Task) -> Vec<String> {
             render::number(contact.limit)
         )
     });
-    unstable.into_iter().collect()
+    unstable.into_iter().chain(log::time_note(task)).collect()
 }
 
 /// A policy file, or the policy of a run, with its certificates.

@@ -10,6 +10,7 @@ use crate::failure::{Failure, Outcome};
 use crate::files::{deliver, in_file, policy_path, read_policy};
 use crate::log;
 use crate::results::Run;
+use crate::terminal::tell;
 
 /// Runs `hpf export`.
 pub fn export(options: &Export, common: &Common) -> Result<Outcome, Failure> {
@@ -48,6 +49,9 @@ fn ros2(options: &Export, common: &Common) -> Result<Outcome, Failure> {
     }
     let source = run_of(&options.policy)?;
     let run = Run::load(&source)?;
+    if let Some(note) = log::time_note(&run.task) {
+        tell(&format!("note: {note}"));
+    }
     let (bytes, messages) = log::bag(&run).map_err(|error| Failure::Work(format!("cannot make the bag: {error}")))?;
     let default = source.join("ros2.mcap");
     deliver(common, Some(&default), &bytes, |file| {

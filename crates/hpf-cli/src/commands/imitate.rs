@@ -13,10 +13,12 @@ use hpf_sim::{Metric, Simulation};
 use crate::cli::Common;
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, in_file, read_task, read_text, say, sha256};
+use crate::files::{LoadedTask, in_file, open_end, read_task, read_text, sha256};
 use crate::results::{LearningRow, Run};
+use crate::sinks::told;
 use crate::summary::Summary;
-use crate::{overrides, report, results};
+use crate::terminal::say;
+use crate::{log, overrides, report, results};
 
 pub use options::{HELP, Options};
 
@@ -29,8 +31,11 @@ struct Source {
 /// Runs `hpf imitate`.
 pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
     let started = Instant::now();
-    let (sources, demonstrations) = read(&options.demonstrations)?;
+    let (sources, demonstrations, mut notes) = read(&options.demonstrations)?;
     let mut loaded = task(options, common, &sources, &demonstrations)?;
+    if options.task.is_none() {
+        notes.extend(options.outline(String::new()).note(&demonstrations));
+    }
     let tables = results::own_tables(&mut loaded.task);
     loaded.text = overrides::apply(&loaded.text, &tables.iter().map(|table| table.change.clone()).collect::<Vec<_>>())?;
 
@@ -39,7 +44,9 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
         Failure::Input(format!("{}: {error}", place.unwrap_or_else(|| loaded.task.name.clone())))
     })?;
     let (run, mut summary, errors) = simulate(&loaded, &imitated)?;
-    let account = saved::Account::new(&sources, &imitated, &errors);
+    notes.extend(log::time_note(&loaded.task));
+    notes.extend(imitated.notes.iter().cloned());
+    let account = saved::Account::new(&sources, &imitated, &errors, notes);
 
     let target = common.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&loaded.task.name));
     let mut folder = Unfinished::begin(&target, common.force)?;
@@ -48,31 +55,36 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
         for table in &tables {
             folder.write(&table.name, &table.csv)?;
         }
-        results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
+        let failures = results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
         summary.total_s = started.elapsed().as_secs_f64();
-        folder.write("summary.json", format!("{:#}\n", account.in_json(summary.to_json())))
+        folder.write("summary.json", format!("{:#}\n", account.in_json(summary.to_json()))).map(|()| failures)
     })();
-    if let Err(failure) = written {
-        return Err(folder.abandon(failure));
-    }
+    let failures = match written {
+        Ok(failures) => failures,
+        Err(failure) => return Err(folder.abandon(failure)),
+    };
     let files = folder.files().to_vec();
     folder.finish(false)?;
 
     let place = target.display().to_string();
     if common.json {
         let mut object = account.in_json(summary.to_json());
-        object["directory"] = place.into();
+        object["directory"] = place.as_str().into();
         object["files"] = files.into();
         say(&format!("{object:#}\n"))?;
     } else {
-        say(&account.text(&loaded.task, &summary, &place, &files))?;
+        say(&account.text(&run, &summary, &place, &files))?;
     }
+    told(&failures, &place)?;
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }
 
+/// Files, what they record, and notes on them.
+type Recordings = (Vec<Source>, Vec<Demonstration>, Vec<String>);
+
 /// Reads the demonstrations, and says of which file a mistake is.
-fn read(paths: &[PathBuf]) -> Result<(Vec<Source>, Vec<Demonstration>), Failure> {
-    let mut sources = Vec::new();
+fn read(paths: &[PathBuf]) -> Result<Recordings, Failure> {
+    let (mut sources, mut notes) = (Vec::new(), Vec::new());
     let mut demonstrations: Vec<Demonstration> = Vec::new();
     for path in paths {
         // A run is a demonstration: its trajectory, without the rest time after the movement.
@@ -88,6 +100,7 @@ fn read(paths: &[PathBuf]) -> Result<(Vec<Source>, Vec<Demonstration>), Failure>
         if let Some(duration) = movement {
             demonstration.cut(duration);
         }
+        notes.extend(open_end(&path, &text));
         sources.push(Source { sha256: sha256(&text), path });
         demonstrations.push(demonstration);
     }
@@ -104,7 +117,7 @@ fn read(paths: &[PathBuf]) -> Result<(Vec<Source>, Vec<Demonstration>), Failure>
             return Err(in_file(&source.path)(message));
         }
     }
-    Ok((sources, demonstrations))
+    Ok((sources, demonstrations, notes))
 }
 
 /// The task named, or one made for the demonstrations; overrides applied.

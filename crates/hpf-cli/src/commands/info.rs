@@ -1,6 +1,5 @@
 //! `hpf info`: what is in this file, and how do these runs compare?
 
-use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -10,9 +9,10 @@ use serde_json::{Value, json};
 use crate::cli::{Check, Common, Info};
 use crate::comparison::{Comparison, Side};
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_bytes, read_task, read_text, say};
+use crate::files::{in_file, read_bytes, read_task, read_text, verify_run};
 use crate::log::{self, Ending};
-use crate::{packed, render};
+use crate::terminal::say;
+use crate::{nodes, packed, render};
 
 /// Runs `hpf info`.
 pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
@@ -73,12 +73,13 @@ fn read_summary(file: &Path) -> Result<Value, Failure> {
     if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
         return Err(in_file(file)("this is not a summary of version 1"));
     }
+    verify_run(file)?;
     Ok(summary)
 }
 
 fn begins_with(path: &Path, magic: &[u8]) -> bool {
     let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut start));
+    let read = nodes::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut start));
     read.is_ok() && start == magic
 }
 

@@ -9,10 +9,12 @@ use serde_json::Value;
 use crate::cli::{Common, Learn};
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, in_file, read_task, read_text, say};
+use crate::files::{LoadedTask, in_file, read_task, read_text};
 use crate::learning::{Learned, learn as learn_in};
+use crate::sinks::told;
 use crate::summary::Summary;
-use crate::{overrides, render, results, start};
+use crate::terminal::say;
+use crate::{log, overrides, render, results, start};
 
 /// Runs `hpf learn`.
 pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
@@ -28,8 +30,8 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         (None, None) => return Err(Failure::Input("name a task, or a run to --resume".into())),
     };
     let finished = learn_in(&loaded, &mut folder, common.quiet)
-        .and_then(|learned| save(&loaded, &learned, &mut folder, started).map(|summary| (learned, summary)));
-    let (learned, summary) = match finished {
+        .and_then(|learned| save(&loaded, &learned, &mut folder, started).map(|saved| (learned, saved)));
+    let (learned, (summary, failures)) = match finished {
         Ok(finished) => finished,
         Err(failure) => return Err(folder.abandon(failure)),
     };
@@ -48,8 +50,9 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         } else {
             format!("hpf run {place} --rate 1000")
         };
-        let notes: Vec<String> = learned.history.notes.iter().map(ToString::to_string).collect();
-        say(&render::learned(&loaded.task, &summary, &notes, &place, &files, &next))?;
+        let mut notes: Vec<String> = learned.history.notes.iter().map(ToString::to_string).collect();
+        notes.extend(log::time_note(&loaded.task));
+        say(&render::learned(&learned.run, &summary, &notes, &place, &files, &next))?;
     }
     match &learned.failure {
         Some(reason) => {
@@ -57,6 +60,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
             let go_on = format!("go on from there with: hpf learn --resume {place}");
             Err(if learned.is_open() { failure.with(&go_on) } else { failure })
         }
+        None if !failures.is_empty() => told(&failures, &place).map(|()| Outcome::Done),
         None if learned.is_open() => Ok(Outcome::Interrupted),
         None if summary.is_missed() => Ok(Outcome::Missed),
         None => Ok(Outcome::Done),
@@ -126,12 +130,21 @@ fn name_whole(run: &Path, common: &Common) -> Result<Option<Outcome>, Failure> {
     Ok(Some(if is_missed { Outcome::Missed } else { Outcome::Done }))
 }
 
-/// Writes everything that was learned, and says what it came to.
-fn save(loaded: &LoadedTask, learned: &Learned, folder: &mut Unfinished, started: Instant) -> Result<Summary, Failure> {
+/// Writes everything that was learned, and says what it came to, and which log or figures could not be made.
+fn save(
+    loaded: &LoadedTask,
+    learned: &Learned,
+    folder: &mut Unfinished,
+    started: Instant,
+) -> Result<(Summary, Vec<Failure>), Failure> {
     let Learned { run, history, metrics, .. } = learned;
-    results::save(run, &loaded.text, metrics, folder)?;
+    let mut failures = results::save(run, &loaded.text, metrics, folder)?;
+    // Where the log written while learning failed, it is told only if the whole one failed too: that has all of it.
+    if !failures.is_empty() {
+        failures.extend(learned.log_failure.iter().map(|why| Failure::Work(why.clone())));
+    }
     let seconds = [learned.time, started.elapsed()].map(|time| time.as_secs_f64());
     let summary = Summary::of_learning(run, history, metrics.clone(), seconds, learned.failure.as_deref());
     folder.write("summary.json", format!("{:#}\n", summary.to_json()))?;
-    Ok(summary)
+    Ok((summary, failures))
 }

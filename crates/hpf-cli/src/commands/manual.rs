@@ -9,8 +9,9 @@ use serde_json::json;
 
 use crate::cli::{Arguments, Common};
 use crate::failure::{Failure, Outcome};
-use crate::files::{refuse_occupied, say, while_writing, write};
+use crate::files::{refuse_occupied, while_writing, write};
 use crate::render;
+use crate::terminal::say;
 
 /// Runs `hpf manual`.
 pub fn manual(common: &Common) -> Result<Outcome, Failure> {

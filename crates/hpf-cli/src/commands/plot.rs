@@ -8,9 +8,9 @@ use serde_json::json;
 use crate::cli::{Common, Plot};
 use crate::failure::{Failure, Outcome};
 use crate::figure::{self, Drawing, MOST_SERIES, Named};
-use crate::files::say;
 use crate::render;
 use crate::results::Run;
+use crate::terminal::say;
 
 /// Names farther apart than this are not taken for each other (0 to 1).
 const LEAST_LIKENESS: f64 = 0.75;

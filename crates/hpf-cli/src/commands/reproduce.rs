@@ -9,11 +9,12 @@ use serde_json::json;
 use crate::cli::{Common, Reproduce};
 use crate::failure::{Failure, Outcome};
 use crate::figure::{self, Format};
-use crate::files::{self, in_file, read_text, say, while_writing};
+use crate::files::{self, in_file, read_text, while_writing};
 use crate::reproduce::{
     Claim, Study, Variant, claims, difference, json as claims_json, markdown, of_first_seed, over_seeds, placed,
     variants,
 };
+use crate::terminal::say;
 use crate::{render, trial};
 
 /// Runs `hpf reproduce`.
@@ -98,7 +99,7 @@ fn free(folder: &Path, force: bool) -> Result<(), Failure> {
     }
 }
 
-/// Writes everything, the claims last.
+/// Writes everything, the tables before the figures that show them.
 fn write(
     study: &Study,
     claims: &[Claim],
@@ -107,18 +108,19 @@ fn write(
     folder: &Path,
 ) -> Result<Vec<String>, Failure> {
     let subject = format!("seed {}", study.seeds[0]);
-    let mut names = figure::draw(&of_first_seed(study), &subject, Format::Png, folder)?;
-    names.extend(figure::draw(&over_seeds(study), "", Format::Png, folder)?);
-    for variant in [Variant::ViaPoint, Variant::Cantilever] {
-        let (prepared, trial) = study.first(variant);
-        trial::save(trial, prepared, true, &folder.join(variant.name()))?;
-        names.push(format!("{}/", variant.name()));
-    }
+    let mut names = Vec::new();
     let text = format!("# The paper, reproduced\n\n{block}");
     let json = format!("{:#}\n", claims_json(study, claims, variants));
     for (name, contents) in [("results.csv", study.csv()), ("claims.md", text), ("claims.json", json)] {
         files::write(&folder.join(name), contents)?;
         names.push(name.into());
+    }
+    names.extend(figure::draw(&of_first_seed(study), &subject, Format::Png, folder)?);
+    names.extend(figure::draw(&over_seeds(study), "", Format::Png, folder)?);
+    for variant in [Variant::ViaPoint, Variant::Cantilever] {
+        let (prepared, trial) = study.first(variant);
+        trial::save(trial, prepared, true, &folder.join(variant.name()))?;
+        names.push(format!("{}/", variant.name()));
     }
     Ok(names)
 }

@@ -11,9 +11,11 @@ use crate::cli::{Common, Simulate};
 use crate::conduct::Controlled;
 use crate::directory::Unfinished;
 use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_limited, read_policy, read_task, say, sha256};
+use crate::files::{in_file, read_limited, read_policy, read_task, sha256};
 use crate::results::{LearningRow, Run};
+use crate::sinks::told;
 use crate::summary::Summary;
+use crate::terminal::say;
 use crate::{overrides, render, report, results};
 
 /// What `--set` may change: the policy decides the rest.
@@ -77,7 +79,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         }
         object
     };
-    let mut files = Vec::new();
+    let (mut files, mut failures) = (Vec::new(), Vec::new());
     if let Some(target) = &common.out {
         let mut folder = Unfinished::begin(target, common.force)?;
         folder.ready()?;
@@ -86,7 +88,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
                 folder.write(&table.name, &table.csv)?;
             }
             folder.write("task.toml", &loaded.text)?;
-            results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
+            failures = results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
             if let Some(controlled) = &controlled {
                 folder.write("controller.csv", controlled.csv(&run.task, &time))?;
                 if let Some(text) = &controlled.text {
@@ -107,11 +109,12 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     if common.json {
         say(&render::finished(object(&summary), place.as_deref(), &files))?;
     } else {
-        say(&render::simulated(&run.task, &summary, place.as_deref(), &files))?;
+        say(&render::simulated(&run, &summary, place.as_deref(), &files))?;
         if let Some(controlled) = &controlled {
             say(&controlled.render(&time))?;
         }
     }
+    told(&failures, place.as_deref().unwrap_or_default())?;
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }
 

@@ -9,8 +9,11 @@ use serde_json::{Value, json};
 use crate::cli::{Common, Sweep};
 use crate::failure::{Failure, Outcome as Exit};
 use crate::figure::{self, Drawing, Format, Group, Measure, Member};
-use crate::files::{self, say, while_writing};
+use crate::files::{self, read_text, while_writing};
+use crate::nodes;
+use crate::sinks::told;
 use crate::sweep::{Outcome, Plan, Sample, Setting, learn_all, render};
+use crate::terminal::say;
 
 /// The file that a sweep under way holds locked; one that was broken off leaves it.
 const LOCK: &str = ".lock";
@@ -30,6 +33,8 @@ pub fn sweep(options: &Sweep, common: &Common) -> Result<Exit, Failure> {
     let mut files = vec!["results.csv".to_owned(), "summary.json".to_owned()];
     files::write(&folder.join("results.csv"), outcome.csv()?)?;
     let summary = outcome.to_json();
+    files::write(&folder.join("summary.json"), format!("{summary:#}\n"))?;
+    let mut failures = Vec::new();
     if outcome.samples.iter().any(Option::is_some) {
         let groups = groups(&plan, &outcome);
         let varied = plan.factors.iter().map(|factor| factor.key.as_str()).collect::<Vec<_>>().join(" / ");
@@ -37,10 +42,11 @@ pub fn sweep(options: &Sweep, common: &Common) -> Result<Exit, Failure> {
             Drawing::new("cost", || figure::sweep_cost(&groups)),
             Drawing::new("metrics", || figure::sweep_measures(&groups, &varied)),
         ];
-        let drawn = figure::draw(&drawings, &plan.task, Format::Png, &folder.join("plots"))?;
-        files.extend(drawn.into_iter().map(|name| format!("plots/{name}")));
+        match figure::draw(&drawings, &plan.task, Format::Png, &folder.join("plots")) {
+            Ok(drawn) => files.extend(drawn.into_iter().map(|name| format!("plots/{name}"))),
+            Err(failure) => failures.push(failure),
+        }
     }
-    files::write(&folder.join("summary.json"), format!("{summary:#}\n"))?;
     drop(lock);
     fs::remove_file(folder.join(LOCK)).map_err(while_writing(&folder))?;
 
@@ -56,6 +62,7 @@ pub fn sweep(options: &Sweep, common: &Common) -> Result<Exit, Failure> {
     if done.interrupted {
         return Ok(Exit::Interrupted);
     }
+    told(&failures, &folder.display().to_string())?;
     let failed: Vec<String> = outcome.failed().map(|(run, why)| format!("{run}: {why}")).collect();
     let shown = failed.iter().take(MOST_SHOWN).cloned().collect::<Vec<_>>().join("\n");
     match (failed.is_empty(), outcome.missed()) {
@@ -69,14 +76,15 @@ pub fn sweep(options: &Sweep, common: &Common) -> Result<Exit, Failure> {
 fn claim(folder: &Path) -> Result<File, Failure> {
     let refuse = |why: &str| Err(Failure::Input(format!("{} {why}", folder.display())));
     let is_empty = fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-    let summary = fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    let summary = read_text(&folder.join("summary.json")).unwrap_or_default();
     let summary: Value = serde_json::from_str(&summary).unwrap_or_default();
     let is_sweep = summary["format"] == json!("hpf-sweep") || folder.join(LOCK).is_file();
     if !(is_empty && !folder.is_file() || is_sweep) {
         return refuse("is no sweep and is left as it is; pass another --out");
     }
     fs::create_dir_all(folder).map_err(while_writing(folder))?;
-    let lock = File::create(folder.join(LOCK)).map_err(while_writing(folder))?;
+    let path = folder.join(LOCK);
+    let lock = nodes::replaceable(&path).and_then(|()| File::create(&path)).map_err(while_writing(&path))?;
     match lock.try_lock() {
         Ok(()) => Ok(lock),
         Err(_) => refuse("belongs to a sweep that is going on; wait for it, or pass another --out"),

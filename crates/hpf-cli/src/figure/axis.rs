@@ -1,11 +1,15 @@
 //! Axes: ranges, round ticks and their labels.
 
-use super::number::{number, power_of_ten};
+use super::number::{number, power_of_ten, short};
 
 /// Smallest range of an axis, as a fraction of its values: below it rounding is all there is to see.
 const RESOLUTION: f64 = 1e-9;
 /// Room beside the data, as a fraction of their range.
 const PADDING: f64 = 0.06;
+
+/// Beyond this, and below its reciprocal, differences and ratios of axes would leave the numbers there are: values are
+/// drawn as this, or as 0.
+const LARGEST: f64 = 1e303;
 
 /// Smallest and largest of the finite values.
 pub fn span(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
@@ -18,7 +22,11 @@ pub fn span(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
 /// A range that shows `values` with some room on both sides, also where all are equal or there are none.
 pub fn padded(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let (low, high) = span(values).unwrap_or((0.0, 1.0));
+    let (low, high) = (low.clamp(-LARGEST, LARGEST), high.clamp(-LARGEST, LARGEST));
     let most = low.abs().max(high.abs());
+    if most < LARGEST.recip() {
+        return (-1.0, 1.0);
+    }
     if high - low > RESOLUTION * most {
         let room = PADDING * (high - low);
         (low - room, high + room)
@@ -27,6 +35,9 @@ pub fn padded(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
         (low - room, high + room)
     }
 }
+
+/// Room beside costs on an axis by the logarithm, as a factor.
+const COST_ROOM: f64 = 1.5;
 
 /// How values lie along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +84,27 @@ impl Axis {
     /// An axis in proportion.
     pub fn linear(quantity: impl Into<String>, unit: impl Into<String>, (low, high): (f64, f64)) -> Self {
         Self { quantity: quantity.into(), unit: unit.into(), low, high, scale: Scale::Linear, names: Vec::new() }
+    }
+
+    /// An axis by the logarithm, from `low` to `high`, both above 0.
+    pub fn logarithmic(quantity: impl Into<String>, unit: impl Into<String>, (low, high): (f64, f64)) -> Self {
+        let low = low.clamp(LARGEST.recip(), LARGEST);
+        // Equal ends have room on both sides.
+        let range = if high > 1.01 * low { (low, high.min(10.0 * LARGEST)) } else { (low / 1.5, low * 1.5) };
+        Self::linear(quantity, unit, range).with_scale(Scale::Logarithmic)
+    }
+
+    /// The axis of a cost that shows `values`: by the logarithm where all `totals` are
+    /// above 0; else in proportion, for a logarithm could show none of them.
+    pub fn of_cost(totals: impl Iterator<Item = f64> + Clone, values: impl Iterator<Item = f64>) -> Self {
+        match span(totals.clone()) {
+            Some((least, _)) if least <= 0.0 => Self::linear("cost", "", padded(totals.chain(values))),
+            _ => {
+                let shown = values.chain(totals).filter(|value| *value > 0.0);
+                let (low, high) = span(shown).unwrap_or((1.0, 1.0));
+                Self::logarithmic("cost", "", (low / COST_ROOM, high * COST_ROOM))
+            }
+        }
     }
 
     /// An axis of things side by side.
@@ -185,7 +217,13 @@ fn logarithmic_ticks(low: f64, high: f64, count: f64) -> Vec<Tick> {
     if decades < 2 {
         // Too little for powers of ten: round values between.
         let step = round_step(high - low, count.min(5.0));
-        let labelled = |value| Tick { value, label: number(value, decimals(step)) };
+        let is_plain = low >= 1e-4 && high < 1e5;
+        let label = |value: f64| {
+            // As many digits as tell multiples of the step apart, and one for a step of 2.5.
+            let digits = (value / step).log10().floor().max(0.0) as usize + 2;
+            if is_plain { number(value, decimals(step)) } else { short(value, digits) }
+        };
+        let labelled = |value| Tick { value, label: label(value) };
         return multiples(low, high, step).filter(|value| *value > 0.0).map(labelled).collect();
     }
     let every = (decades as f64 / count.max(2.0)).ceil() as i32;

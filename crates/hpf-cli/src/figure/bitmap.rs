@@ -1,9 +1,7 @@
 //! Pixels: strokes, bands, rectangles and text on plotters' bitmap.
 //!
-//! plotters lends the bitmap, blending and the PNG file. Strokes are made here, from the distance of each pixel to the
+//! plotters lends rectangles and blending, `png` the file. Strokes are made here, from the distance of each pixel to the
 //! line: plotters draws thick lines on whole pixels and without anti-aliasing.
-
-use std::path::Path;
 
 use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::{Color as _, RGBColor};
@@ -14,25 +12,33 @@ use super::surface::{Anchor, Area, Column, Surface};
 use super::text;
 
 /// A bitmap that becomes a PNG file.
-pub struct Bitmap<'p> {
-    bitmap: BitMapBackend<'p>,
+pub struct Bitmap {
+    /// Red, green and blue of each pixel, row by row.
+    pixels: Vec<u8>,
     size: (usize, usize),
     /// How much of each pixel the stroke at hand covers, in 255ths; nought between strokes.
     coverage: Vec<u8>,
 }
 
-impl<'p> Bitmap<'p> {
-    /// A white bitmap of `size` [px] for the file `path`.
-    pub fn new(path: &'p Path, size: (usize, usize)) -> Self {
-        let bitmap = BitMapBackend::new(path, (size.0 as u32, size.1 as u32));
-        let mut surface = Self { bitmap, size, coverage: vec![0; size.0 * size.1] };
+impl Bitmap {
+    /// A white bitmap of `size` [px].
+    pub fn new(size: (usize, usize)) -> Self {
+        let area = size.0 * size.1;
+        let mut surface = Self { pixels: vec![0; 3 * area], size, coverage: vec![0; area] };
         let all = surface.all();
         surface.fill(all, WHITE);
         surface
     }
 
+    /// The bitmap as plotters draws on it.
+    fn bitmap(&mut self) -> BitMapBackend<'_> {
+        BitMapBackend::with_buffer(&mut self.pixels, (self.size.0 as u32, self.size.1 as u32))
+    }
+
     fn blend(&mut self, x: i32, y: i32, colour: RGBColor, share: f64) {
-        self.bitmap.draw_pixel((x, y), colour.mix(share).to_backend_color()).expect("a bitmap in memory takes pixels");
+        self.bitmap()
+            .draw_pixel((x, y), colour.mix(share).to_backend_color())
+            .expect("a bitmap in memory takes pixels");
     }
 
     fn cover(&mut self, points: &[Point], width: f64, clip: Area, touched: &mut Touched) {
@@ -50,6 +56,10 @@ impl<'p> Bitmap<'p> {
         let reach = 0.5 * width + 0.5;
         let (top, bottom) = (clip.top.max(0.0), clip.bottom().min(self.size.1 as f64));
         let (left, right) = (clip.left.max(0.0), clip.right().min(self.size.0 as f64));
+        // A box squeezed to nothing, or one that lies outside, shows nothing.
+        if !(top < bottom && left < right) {
+            return;
+        }
         let first = (from.1.min(to.1) - reach).floor().clamp(top, bottom) as usize;
         let last = (from.1.max(to.1) + reach).ceil().clamp(top, bottom) as usize;
         for y in first..last {
@@ -74,7 +84,7 @@ impl<'p> Bitmap<'p> {
     }
 }
 
-impl Surface for Bitmap<'_> {
+impl Surface for Bitmap {
     fn all(&self) -> Area {
         Area { left: 0.0, top: 0.0, width: self.size.0 as f64, height: self.size.1 as f64 }
     }
@@ -85,7 +95,7 @@ impl Surface for Bitmap<'_> {
         let from = (pixel(area.left, all.width), pixel(area.top, all.height));
         let to = (pixel(area.right(), all.width), pixel(area.bottom(), all.height));
         if from.0 < to.0 && from.1 < to.1 {
-            self.bitmap.draw_rect(from, to, &colour, true).expect("a bitmap in memory takes pixels");
+            self.bitmap().draw_rect(from, to, &colour, true).expect("a bitmap in memory takes pixels");
         }
     }
 
@@ -144,8 +154,16 @@ impl Surface for Bitmap<'_> {
         }
     }
 
-    fn save(mut self: Box<Self>) -> Result<(), String> {
-        self.bitmap.present().map_err(|error| error.to_string())
+    fn encode(self: Box<Self>) -> Result<Vec<u8>, String> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.size.0 as u32, self.size.1 as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::FilterType::Sub);
+        encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
+        let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&self.pixels));
+        written.map_err(|error| error.to_string()).map(|()| bytes)
     }
 }
 

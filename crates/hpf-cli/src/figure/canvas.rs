@@ -1,7 +1,5 @@
 //! Drawing a figure: title, legend, panels with their frames, and what is in them.
 
-use std::path::Path;
-
 use super::axis::Tick;
 use super::chart::{Figure, Layer, Mark, Panel, Point, Shape};
 use super::layout::{CAPITAL, FOOT, LABEL, Layout, MARGIN, SMALL, TICK_GAP, TICK_LENGTH, TITLE};
@@ -12,13 +10,13 @@ use super::{ends, legend, text};
 /// How much a band covers what it lies on: two of them still show through each other.
 const BAND_OPACITY: f64 = 0.3;
 
-/// Draws `figure`, which belongs to `subject`, into the file `path`.
+/// Draws `figure`, which belongs to `subject`: the bytes of its file.
 ///
 /// # Errors
-/// What the system or the encoder says.
-pub fn draw(mut figure: Figure, subject: &str, format: Format, path: &Path) -> Result<(), String> {
+/// What the encoder says.
+pub fn draw(mut figure: Figure, subject: &str, format: Format) -> Result<Vec<u8>, String> {
     let layout = Layout::new(&mut figure);
-    let mut surface = format.surface(path, layout.size);
+    let mut surface = format.surface(layout.size);
     let canvas = &mut *surface;
     let right = layout.size.0 as f64 - MARGIN;
     let left = layout.boxes[0].left;
@@ -46,7 +44,7 @@ pub fn draw(mut figure: Figure, subject: &str, format: Format, path: &Path) -> R
     ends::draw(canvas, &figure, *area, &map);
     let place = (area.left + 0.5 * area.width, area.bottom() + FOOT - MARGIN + 4.0);
     canvas.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
-    surface.save()
+    surface.encode()
 }
 
 fn horizontal(panel: &Panel, area: Area, value: f64) -> f64 {
@@ -127,8 +125,8 @@ fn draw_layer(surface: &mut dyn Surface, layer: &Layer, area: Area, map: &impl F
         }
         Shape::Block(from, to) => {
             let (from, to) = (map(from), map(to));
-            let x = |value: f64| value.clamp(area.left, area.right());
-            let y = |value: f64| value.clamp(area.top, area.bottom());
+            let x = |value: f64| value.max(area.left).min(area.right());
+            let y = |value: f64| value.max(area.top).min(area.bottom());
             let (left, top) = (x(from.0.min(to.0)), y(from.1.min(to.1)));
             let (width, height) = (x(from.0.max(to.0)) - left, y(from.1.max(to.1)) - top);
             surface.fill(Area { left, top, width, height }, layer.pen.colour);

@@ -86,7 +86,7 @@ impl Layer {
     /// A level line.
     pub fn level(y: f64, pen: Pen) -> Self {
         // Far beyond any axis, yet finite, so that the line has places to go through.
-        Self::line(vec![(-1e12, y), (1e12, y)], pen)
+        Self::line(vec![(-1e300, y), (1e300, y)], pen)
     }
 
     /// Marks.

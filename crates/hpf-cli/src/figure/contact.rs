@@ -1,6 +1,6 @@
 //! Contact: deviation from the surface under the set-point force, and the force itself.
 
-use std::iter;
+use core::iter;
 
 use hpf_sim::ContactTrace;
 

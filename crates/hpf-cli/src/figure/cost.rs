@@ -23,13 +23,15 @@ pub fn cost(run: &Run) -> Figure {
     let total = |row: &LearningRow| row.total;
     // The total is named before the terms, and drawn over them once more.
     let mut layers = vec![line(rows, total, Pen::strong(BLACK), "total")];
-    let range = range(rows);
+    let y = axis(rows);
+    // What lies below this is too small to be shown; on an axis in proportion nothing is.
+    let visible = if y.scale == Scale::Logarithmic { VISIBLE * y.low } else { 0.0 };
     let mut left_out = Vec::new();
     for (i, term) in Term::ALL.into_iter().enumerate() {
         let of_term = |row: &LearningRow| row.terms[i];
         let (_, most) = span(rows.iter().map(of_term)).unwrap_or((0.0, 0.0));
         let name = Term::NAMES[i].replace('_', " ");
-        if is_weighed(&run.task, term) && most > VISIBLE * range.0 {
+        if is_weighed(&run.task, term) && most > visible {
             let pen = Pen { width: TERM_WIDTH, ..Pen::plain(colour(term)) };
             layers.push(line(rows, of_term, pen, &name));
         } else if is_weighed(&run.task, term) && most > 0.0 {
@@ -39,7 +41,7 @@ pub fn cost(run: &Run) -> Figure {
     layers.push(line(rows, total, Pen::strong(BLACK), "total"));
     let note = match left_out.as_slice() {
         [] => String::new(),
-        names => format!("below {}: {}", short(VISIBLE * range.0, 1), names.join(", ")),
+        names => format!("below {}: {}", short(visible, 1), names.join(", ")),
     };
     let best = run.policy.provenance.updates;
     let learned = rows.iter().find(|row| row.update == best && rows.len() > 1);
@@ -51,7 +53,7 @@ pub fn cost(run: &Run) -> Figure {
         heading: learned.map_or_else(String::new, |_| format!("ring: learned, update {best}")),
         note,
         x: Axis::linear("update", "", updates).with_scale(Scale::Counted),
-        y: Axis::linear("cost", "", range).with_scale(Scale::Logarithmic),
+        y,
         layers,
     };
     let title = if rows.len() > 1 { "Cost by update, total and terms" } else { "Cost, total and terms" };
@@ -66,14 +68,15 @@ fn line(rows: &[LearningRow], value: impl Fn(&LearningRow) -> f64, pen: Pen, nam
     Layer::line(points, pen).labelled(name)
 }
 
-/// From a little below the smallest cost that matters to a little above the largest.
-fn range(rows: &[LearningRow]) -> (f64, f64) {
-    let positive = |value: &f64| value.is_finite() && *value > 0.0;
-    let totals = span(rows.iter().map(|row| row.total).filter(positive));
-    let (least, most) = totals.unwrap_or((1.0, 1.0));
-    let terms = rows.iter().flat_map(|row| &row.terms).copied().filter(positive);
-    let smallest = span(terms).map_or(least, |(low, _)| low.min(least)).max(DEPTH * least);
-    ((smallest / 1.5).max(f64::MIN_POSITIVE), (most * 1.5).min(f64::MAX))
+/// The axis that shows the totals, and of the terms what matters beside them.
+fn axis(rows: &[LearningRow]) -> Axis {
+    let totals = rows.iter().map(|row| row.total);
+    let terms = rows.iter().flat_map(|row| &row.terms).copied().filter(|value| value.is_finite() && *value != 0.0);
+    let least = span(totals.clone().filter(|total| *total > 0.0)).map_or(1.0, |(least, _)| least);
+    let is_positive = span(totals.clone()).is_some_and(|(low, _)| low > 0.0);
+    let smallest = span(terms.clone().filter(|value| *value > 0.0)).map(|(low, _)| low.max(DEPTH * least));
+    let shown: Vec<f64> = if is_positive { smallest.into_iter().collect() } else { terms.collect() };
+    Axis::of_cost(totals, shown.into_iter())
 }
 
 fn is_weighed(task: &Task, term: Term) -> bool {
@@ -118,13 +121,16 @@ mod tests {
 
     #[test]
     fn a_vanishing_term_does_not_squash_the_others() {
-        let (low, high) = range(&[row(0, 100.0, 50.0), row(1, 1.0, 1e-30)]);
+        let Axis { low, high, .. } = axis(&[row(0, 100.0, 50.0), row(1, 1.0, 1e-30)]);
         assert!((1e-5..1e-3).contains(&low) && (100.0..200.0).contains(&high), "{low} {high}");
     }
 
     #[test]
-    fn costs_of_nought_still_have_a_range() {
-        let (low, high) = range(&[row(0, 0.0, 0.0)]);
-        assert!(low > 0.0 && low < high && high.is_finite());
+    fn costs_of_zero_or_less_have_an_axis_in_proportion() {
+        for totals in [[0.0, 0.0], [-994.0, -1000.0], [3.0, -2.0], [5.0, 0.0]] {
+            let axis = axis(&[row(0, totals[0], 0.0), row(1, totals[1], 0.0)]);
+            assert_eq!(axis.scale, Scale::Linear, "{totals:?}");
+            assert!(totals.iter().all(|total| axis.low < *total && *total < axis.high), "{totals:?}: {axis:?}");
+        }
     }
 }

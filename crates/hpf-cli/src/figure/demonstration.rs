@@ -1,6 +1,6 @@
 //! Demonstrations and the path that was made of them, one panel per axis.
 
-use std::iter;
+use core::iter;
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Panel};

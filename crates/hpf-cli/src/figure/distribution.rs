@@ -1,6 +1,6 @@
 //! Many runs, by setting: cost over the motions made, and measures of what was learned, with their spread over seeds.
 
-use super::axis::{Axis, Scale, padded, span};
+use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::overlay::{cost_axis, motions_axis, steps};
 use super::palette::{BLACK, MOST_SERIES, Pen, VERMILLION};
@@ -181,7 +181,7 @@ fn measure_panel(groups: &[&Group], name: &str, x: &Axis) -> Option<Panel> {
     let values = [low, high].into_iter().chain(target.filter(|target| !logarithmic || *target > 0.0));
     let (low, high) = span(values.map(|value| factor * value))?;
     let y = if logarithmic {
-        Axis::linear(quantity, unit, (low / 1.5, high * 1.5)).with_scale(Scale::Logarithmic)
+        Axis::logarithmic(quantity, unit, (low / 1.5, high * 1.5))
     } else {
         Axis::linear(quantity, unit, padded([low, high]))
     };

@@ -45,7 +45,7 @@ pub fn draw(surface: &mut dyn Surface, figure: &Figure, area: Area, map: &impl F
     };
     let mut ends: Vec<_> = labelled(figure)
         .into_iter()
-        .filter_map(|(layer, label)| Some((tip(layer)?.1.clamp(area.top, area.bottom()), layer.pen, label)))
+        .filter_map(|(layer, label)| Some((tip(layer)?.1.max(area.top).min(area.bottom()), layer.pen, label)))
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let places = apart(&ends.iter().map(|end| end.0).collect::<Vec<_>>(), (area.top, area.bottom()));

@@ -1,6 +1,6 @@
 //! Stiffness and damping over time: initial, learned, and the bounds between which they were learned.
 
-use std::iter;
+use core::iter;
 
 use hpf_sim::task::{Axis as TaskAxis, Gain, Unit};
 use hpf_sim::{AxisTrace, Trace};

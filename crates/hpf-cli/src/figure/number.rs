@@ -22,13 +22,16 @@ pub fn short(value: f64, digits: usize) -> String {
     if rounded == 0.0 || !rounded.is_finite() {
         return number(rounded, 0);
     }
-    let exponent = rounded.abs().log10().floor() as i32;
+    // The exponent as it is written: a logarithm may miss it by one, and a power of ten leave the numbers there are.
+    let scientific = format!("{rounded:e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
     if (-4..6).contains(&exponent) {
         let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
         let text = number(rounded, decimals);
         return if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text };
     }
-    let mantissa = short(rounded / 10.0_f64.powi(exponent), digits);
+    let mantissa = mantissa.replace('-', "−");
     if mantissa == "1" { power_of_ten(exponent) } else { format!("{mantissa}·{}", power_of_ten(exponent)) }
 }
 

@@ -96,9 +96,8 @@ pub fn motions_axis(ends: impl Iterator<Item = f64>) -> Axis {
 
 /// The axis of cost that shows `totals`.
 pub fn cost_axis(totals: impl Iterator<Item = f64>) -> Axis {
-    let (low, high) = span(totals.filter(|total| *total > 0.0)).unwrap_or((1.0, 1.0));
-    let range = ((low / 1.5).max(f64::MIN_POSITIVE), (high * 1.5).min(f64::MAX));
-    Axis::linear("cost", "", range).with_scale(Scale::Logarithmic)
+    let totals: Vec<f64> = totals.collect();
+    Axis::of_cost(totals.iter().copied(), core::iter::empty())
 }
 
 /// A line or mark that belongs to no single run.

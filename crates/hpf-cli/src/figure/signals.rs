@@ -1,6 +1,6 @@
 //! Signals of every axis over time, one panel per axis: positions, and forces.
 
-use std::iter;
+use core::iter;
 
 use hpf_sim::environment::disturbance::Side;
 use hpf_sim::environment::{Contact, Disturbance, wall};

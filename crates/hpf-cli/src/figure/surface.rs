@@ -1,7 +1,5 @@
 //! What a figure is drawn on: strokes, bands, rectangles and text, whatever the file becomes.
 
-use std::path::Path;
-
 use plotters::style::RGBColor;
 
 use super::bitmap::Bitmap;
@@ -28,11 +26,11 @@ impl Format {
         }
     }
 
-    /// An empty white surface of `size` [px] for the file `path`.
-    pub fn surface<'p>(self, path: &'p Path, size: (usize, usize)) -> Box<dyn Surface + 'p> {
+    /// An empty white surface of `size` [px].
+    pub fn surface(self, size: (usize, usize)) -> Box<dyn Surface> {
         match self {
-            Self::Png => Box::new(Bitmap::new(path, size)),
-            Self::Svg => Box::new(Vector::new(path, size)),
+            Self::Png => Box::new(Bitmap::new(size)),
+            Self::Svg => Box::new(Vector::new(size)),
         }
     }
 }
@@ -54,11 +52,11 @@ pub trait Surface {
     /// Lays `colour` thinly over what is between upper and lower edge, inside `clip`: the columns go from left to right.
     fn band(&mut self, columns: &[Column], colour: RGBColor, opacity: f64, clip: Area);
 
-    /// Encodes and writes the file.
+    /// The bytes of the file.
     ///
     /// # Errors
-    /// What the system or the encoder says.
-    fn save(self: Box<Self>) -> Result<(), String>;
+    /// What the encoder says.
+    fn encode(self: Box<Self>) -> Result<Vec<u8>, String>;
 }
 
 /// Upper and lower edge of a band at one place [px].

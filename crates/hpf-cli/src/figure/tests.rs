@@ -1,3 +1,4 @@
+use hpf_sim::cost::Term;
 use hpf_sim::{Policy, Simulation, Task};
 
 use super::*;
@@ -119,4 +120,86 @@ fn every_figure_is_written_whole_and_with_the_same_bytes_each_time() {
     }
     assert!(fs::read_dir(&folder).unwrap().all(|entry| !entry.unwrap().path().to_string_lossy().contains("partial")));
     fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The number that a label says.
+fn said(label: &str) -> f64 {
+    let plain = |text: &str| text.replace('−', "-");
+    let raised =
+        |sign: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|digit| digit == sign).map_or('-', |d| char::from(b'0' + d as u8));
+    let (mantissa, power) = match label.split_once("·10").or_else(|| Some(("1", label.strip_prefix("10")?))) {
+        Some((mantissa, power))
+            if !power.is_empty() && !power.starts_with(|c: char| c.is_ascii_digit() || c == '.') =>
+        {
+            (mantissa, power.chars().map(raised).collect())
+        }
+        _ => (label, "0".to_owned()),
+    };
+    format!("{}e{power}", plain(mantissa)).parse().unwrap_or_else(|_| panic!("{label} is no number"))
+}
+
+/// What stands along the axis of cost, for these totals: every label says its number, and all differ.
+fn expect_readable(totals: &[f64]) {
+    let mut run = run("any", &[axis("x", "m")], "");
+    run.learning = totals
+        .iter()
+        .enumerate()
+        .map(|(update, total)| LearningRow {
+            update,
+            total: *total,
+            terms: vec![0.0; Term::ALL.len()],
+            ..run.learning[0].clone()
+        })
+        .collect();
+    let named = [Named { name: "a".into(), run: &run }, Named { name: "b".into(), run: &run }];
+    let mut all = overlaid(&named);
+    all.retain(|drawing| drawing.name == "cost");
+    all.extend(figures(&run).into_iter().filter(|drawing| drawing.name == "cost"));
+    for drawing in all {
+        let figure = (drawing.make)();
+        let y = &figure.panels[0].y;
+        assert!(y.low < y.high && totals.iter().all(|t| (y.low..=y.high).contains(t)), "{totals:?}: {y:?}");
+        let factor = y.title().split_once('[').map_or(1.0, |(_, unit)| said(unit.trim_end_matches(']')));
+        let labelled: Vec<_> = y.ticks(8.0).into_iter().filter(|tick| !tick.label.is_empty()).collect();
+        assert!((2..=12).contains(&labelled.len()), "{totals:?}: {labelled:?}");
+        for tick in &labelled {
+            let error = (said(&tick.label) * factor - tick.value).abs();
+            assert!(error <= 1e-9 * tick.value.abs().max(y.high - y.low), "{totals:?}: {tick:?}");
+            assert!(tick.label.chars().count() <= 14, "{tick:?}");
+        }
+        assert!(labelled.windows(2).all(|pair| pair[0].label != pair[1].label), "{labelled:?}");
+        for format in [Format::Png, Format::Svg] {
+            canvas::draw((drawing.make)(), "subject", format).unwrap();
+        }
+    }
+}
+
+#[test]
+fn costs_of_every_size_and_sign_have_axes_that_say_their_numbers() {
+    for exponent in (-300..=300).step_by(25).chain([-14, -5, -3, 0, 4, 5, 6, 88]) {
+        let size = 10.0_f64.powi(exponent);
+        for shape in
+            [&[1.0][..], &[1.0, 1.3], &[7.0, 1.0], &[1.0, 0.02], &[-1.0, -0.994], &[1.0, -1.0], &[1.0, 0.0], &[0.0]]
+        {
+            // The largest stays within what axes hold.
+            expect_readable(&shape.iter().map(|share| 0.1 * size * share).collect::<Vec<_>>());
+        }
+    }
+    assert_eq!(said("1.5·10⁻¹⁴"), 1.5e-14);
+    assert_eq!([said("10⁷"), said("−2·10³"), said("100"), said("10")], [1e7, -2e3, 100.0, 10.0]);
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn any_costs_are_drawn(totals in proptest::collection::vec(proptest::num::f64::ANY, 1..6)) {
+        let mut run = run("any", &[axis("x", "m")], "");
+        run.learning = totals.iter().enumerate().map(|(update, total)| LearningRow { update, total: *total, terms: vec![*total; Term::ALL.len()], ..run.learning[0].clone() }).collect();
+        for drawing in figures(&run).into_iter().filter(|drawing| drawing.name == "cost") {
+            for format in [Format::Png, Format::Svg] {
+                canvas::draw((drawing.make)(), "subject", format).unwrap();
+            }
+        }
+    }
 }

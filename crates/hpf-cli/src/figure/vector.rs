@@ -2,8 +2,6 @@
 
 use core::fmt::Write as _;
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
 
 use plotters::style::RGBColor;
 
@@ -16,8 +14,7 @@ use super::text;
 const FINENESS: usize = 2;
 
 /// A drawing that becomes an SVG file.
-pub struct Vector<'p> {
-    path: &'p Path,
+pub struct Vector {
     size: (usize, usize),
     body: String,
     /// Letters used, defined once each.
@@ -47,10 +44,10 @@ fn outline<'a>(points: impl IntoIterator<Item = &'a Point>) -> String {
     format!("M{}", places.collect::<Vec<_>>().join("L"))
 }
 
-impl<'p> Vector<'p> {
-    /// A white drawing of `size` [px] for the file `path`.
-    pub fn new(path: &'p Path, size: (usize, usize)) -> Self {
-        let mut vector = Self { path, size, body: String::new(), letters: BTreeSet::new(), clips: Vec::new() };
+impl Vector {
+    /// A white drawing of `size` [px].
+    pub fn new(size: (usize, usize)) -> Self {
+        let mut vector = Self { size, body: String::new(), letters: BTreeSet::new(), clips: Vec::new() };
         vector.fill(vector.all(), WHITE);
         vector
     }
@@ -85,7 +82,7 @@ fn rectangle(area: Area, attributes: &str) -> String {
     format!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"{attributes}/>")
 }
 
-impl Surface for Vector<'_> {
+impl Surface for Vector {
     fn all(&self) -> Area {
         Area { left: 0.0, top: 0.0, width: self.size.0 as f64, height: self.size.1 as f64 }
     }
@@ -151,7 +148,7 @@ impl Surface for Vector<'_> {
         let _ = writeln!(self.body, "<path d=\"{}Z\" {paint}/>", outline(&points));
     }
 
-    fn save(self: Box<Self>) -> Result<(), String> {
+    fn encode(self: Box<Self>) -> Result<Vec<u8>, String> {
         let (width, height) = self.size;
         let text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{}\" \
@@ -162,6 +159,6 @@ impl Surface for Vector<'_> {
             self.definitions(),
             self.body
         );
-        fs::write(self.path, text).map_err(|error| error.to_string())
+        Ok(text.into_bytes())
     }
 }

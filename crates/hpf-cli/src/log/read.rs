@@ -1,11 +1,10 @@
 //! What is in an MCAP file, complete or not, ours or not.
 //!
 //! No length in the file is believed: bytes are read as they come, a record is taken only when all of it is there, and
-//! what a chunk says of its contents must stay below [`LIMIT`] or the size of the file. Of a truncated file this finds
+//! what the chunks unpack to is bounded ([`Work`]). Of a truncated file this finds
 //! every whole chunk. An open chunk, as other writers leave it, carries the length `u64::MAX`: there the file ends.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -13,7 +12,10 @@ use mcap::McapError;
 use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::fields::{Fields, chunk};
+use super::fields::{Chunk, Fields, chunk};
+use super::scan::whole;
+use super::work::Work;
+use crate::nodes;
 
 /// Bytes read at once.
 const BLOCK: usize = 64 << 10;
@@ -73,7 +75,7 @@ pub enum Ending {
 /// # Errors
 /// A file that cannot be read, or that is no MCAP file from its first bytes on.
 pub fn summarize(path: &Path) -> io::Result<Summary> {
-    let file = File::open(path)?;
+    let file = nodes::open(path)?;
     let length = file.metadata()?.len();
     summarize_bytes(file, length)
 }
@@ -91,6 +93,7 @@ pub fn summarize_bytes(mut bytes: impl Read, length: u64) -> io::Result<Summary>
         .with_record_length_limit(limit);
     let mut reader = LinearReader::new_with_options(options);
     let mut contents = Contents::default();
+    let work = Work::of(length);
     let mut begun = false;
     contents.summary.ending = loop {
         match reader.next_event() {
@@ -101,7 +104,9 @@ pub fn summarize_bytes(mut bytes: impl Read, length: u64) -> io::Result<Summary>
             }
             Some(Ok(LinearReadEvent::Record { opcode, data })) => {
                 begun = true;
-                if let Err(ending) = contents.take(opcode, data, limit) {
+                let taken = contents.take(opcode, data, &work);
+                work.check()?;
+                if let Err(ending) = taken {
                     break ending;
                 }
             }
@@ -143,33 +148,20 @@ struct Channel {
 
 impl Contents {
     /// Takes a record of the file, and all records of a chunk or none.
-    fn take(&mut self, opcode: u8, data: &[u8], limit: usize) -> Result<(), Ending> {
+    fn take(&mut self, opcode: u8, data: &[u8], work: &Work) -> Result<(), Ending> {
         if opcode != op::CHUNK {
             return self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)));
         }
-        if chunk(data).is_none_or(|chunk| !chunk.is_framed()) {
+        let Some(chunk) = chunk(data).filter(Chunk::is_framed) else {
             return Err(Ending::Damaged(bad_record(opcode)));
-        }
+        };
         // A chunk whose checksum is wrong gives no record at all.
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(limit);
-        let mut reader = LinearReader::new_with_options(options);
-        let record = [&[opcode][..], &(data.len() as u64).to_le_bytes(), data].concat();
-        let mut rest = record.as_slice();
-        while let Some(event) = reader.next_event() {
-            match event.map_err(|error| Ending::Damaged(error.to_string()))? {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    let part;
-                    (part, rest) = rest.split_at(wanted.min(rest.len()));
-                    reader.insert(part.len()).copy_from_slice(part);
-                    reader.notify_read(part.len());
-                }
-                LinearReadEvent::Record { opcode, data } => {
-                    self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)))?;
-                }
+        let records = whole(&chunk, work).map_err(|why| Ending::Damaged(why.into()))?;
+        let mut records = Fields(&records);
+        while let Some((opcode, data)) = records.record() {
+            // Nothing else stands in a chunk.
+            if matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+                self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)))?;
             }
         }
         self.summary.chunks += 1;

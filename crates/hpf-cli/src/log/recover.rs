@@ -50,7 +50,7 @@ pub struct Recovered {
 /// # Errors
 /// A file in which nothing of an MCAP file is found.
 pub fn recover(bytes: &[u8]) -> io::Result<Recovered> {
-    let found = Found::scan(bytes);
+    let found = Found::scan(bytes)?;
     let has_anything = found.pieces.iter().any(|piece| !matches!(piece, Piece::Record(op::HEADER, _)));
     if !has_anything {
         let what = if bytes.starts_with(MAGIC) {

@@ -11,6 +11,7 @@ use mcap::records::{Metadata, op};
 use mcap::{Attachment, MAGIC, McapError};
 
 use super::fields::{Chunk, Fields, are_framed, chunk};
+use super::work::Work;
 
 /// Bytes before the contents of a record: its kind and its length.
 const RECORD_HEAD: usize = 9;
@@ -50,7 +51,11 @@ pub struct Found<'a> {
 
 impl<'a> Found<'a> {
     /// Looks through a file.
-    pub fn scan(bytes: &'a [u8]) -> Self {
+    ///
+    /// # Errors
+    /// A file that asks for too much work.
+    pub fn scan(bytes: &'a [u8]) -> io::Result<Self> {
+        let work = Work::of(bytes.len() as u64);
         let mut found = Self::default();
         let mut rest = bytes.strip_prefix(MAGIC).unwrap_or(bytes);
         // Whether `rest` begins where a record ended.
@@ -60,7 +65,8 @@ impl<'a> Found<'a> {
             if is_aligned && rest == MAGIC {
                 break;
             }
-            let place = if is_aligned { aligned(rest) } else { proven(rest) };
+            let place = if is_aligned { aligned(rest, &work) } else { proven(rest, &work) };
+            work.check()?;
             let length = match place {
                 Place::Piece(piece, length) => {
                     is_aligned = !matches!(piece, Piece::Cut(_));
@@ -84,7 +90,7 @@ impl<'a> Found<'a> {
         if !matches!(found.pieces.last(), Some(Piece::Cut(_))) {
             found.strange_bytes += unread;
         }
-        found
+        Ok(found)
     }
 
     /// Every record, in and out of chunks, and whether it is from a cut chunk, up to the first error of `use_record`.
@@ -112,8 +118,8 @@ impl<'a> Found<'a> {
 }
 
 /// What stands where a record is to begin.
-fn aligned(rest: &[u8]) -> Place<'_> {
-    let proven = proven(rest);
+fn aligned<'a>(rest: &'a [u8], work: &Work) -> Place<'a> {
+    let proven = proven(rest, work);
     if !matches!(proven, Place::Strange) {
         return proven;
     }
@@ -123,13 +129,13 @@ fn aligned(rest: &[u8]) -> Place<'_> {
             return Place::Strange;
         }
         return match opcode {
-            op::CHUNK if chunk(data).is_some_and(|chunk| chunk.crc == 0 && is_intact(&chunk)) => {
+            op::CHUNK if chunk(data).is_some_and(|chunk| chunk.crc == 0 && is_intact(&chunk, work)) => {
                 Place::Piece(Piece::Whole(chunk(data).expect("it was read just now")), length)
             }
             op::CHUNK => Place::Damaged(length),
             op::ATTACHMENT if attachment_crc(data) != Some(0) => Place::Damaged(length),
             // A damaged length may reach over records that are whole.
-            _ if hides_record(data) => Place::Strange,
+            _ if hides_record(data, work) => Place::Strange,
             _ => Place::Piece(Piece::Record(opcode, data), length),
         };
     }
@@ -145,12 +151,12 @@ fn aligned(rest: &[u8]) -> Place<'_> {
 }
 
 /// A record that proves itself: a chunk or an attachment by its checksum, metadata by filling its frame.
-fn proven(rest: &[u8]) -> Place<'_> {
+fn proven<'a>(rest: &'a [u8], work: &Work) -> Place<'a> {
     let Some((&opcode, _)) = rest.split_first() else { return Place::Strange };
     if opcode == op::CHUNK && rest.len() > RECORD_HEAD {
         // One of the lengths, the record's and the chunk's own, may be damaged: the shorter one reaches over no other.
         let outer = Fields(&rest[1..]).u64().and_then(|length| usize::try_from(length).ok()).unwrap_or(usize::MAX);
-        let found = chunk(&rest[RECORD_HEAD..]).filter(|chunk| chunk.crc != 0 && is_intact(chunk));
+        let found = chunk(&rest[RECORD_HEAD..]).filter(|chunk| chunk.crc != 0 && is_intact(chunk, work));
         return found.map_or(Place::Strange, |chunk| {
             let length = RECORD_HEAD + chunk.extent().min(outer);
             Place::Piece(Piece::Whole(chunk), length)
@@ -158,9 +164,9 @@ fn proven(rest: &[u8]) -> Place<'_> {
     }
     let Some((_, data)) = Fields(rest).record() else { return Place::Strange };
     let is_proven = match opcode {
-        op::ATTACHMENT => {
-            attachment_crc(data).is_some_and(|crc| crc != 0 && crc == crc32fast::hash(&data[..data.len() - 4]))
-        }
+        op::ATTACHMENT => attachment_crc(data).is_some_and(|crc| {
+            crc != 0 && work.spend(data.len() as u64) && crc == crc32fast::hash(&data[..data.len() - 4])
+        }),
         op::METADATA => metadata(data).is_some() && may_begin(&rest[RECORD_HEAD + data.len()..]),
         _ => false,
     };
@@ -168,9 +174,13 @@ fn proven(rest: &[u8]) -> Place<'_> {
 }
 
 /// Whether a chunk or an attachment that is whole stands in `bytes`.
-fn hides_record(bytes: &[u8]) -> bool {
+fn hides_record(bytes: &[u8], work: &Work) -> bool {
+    // A record is looked through once: what it hides is not looked through again for each of its bytes.
+    if !work.spend(bytes.len() as u64) {
+        return false;
+    }
     let may_be = |at: &usize| [op::CHUNK, op::ATTACHMENT].contains(&bytes[*at]);
-    (0..bytes.len()).filter(may_be).any(|at| !matches!(proven(&bytes[at..]), Place::Strange))
+    (0..bytes.len()).filter(may_be).any(|at| !matches!(proven(&bytes[at..], work), Place::Strange))
 }
 
 /// Whether a record, all of it or its first bytes, may begin here.
@@ -188,13 +198,32 @@ fn is_kind(opcode: u8) -> bool {
 }
 
 /// Whether a chunk is all there, of the size and with the checksum it says.
-fn is_intact(chunk: &Chunk<'_>) -> bool {
-    let has_size = chunk.records.len() as u64 == chunk.length && chunk.size <= MOST;
-    has_size && ["", "zstd", "lz4"].contains(&chunk.compression.as_str()) && {
-        let unpacked = unpack(chunk);
-        let is_right = || chunk.crc == 0 || crc32fast::hash(&unpacked) == chunk.crc;
-        unpacked.len() as u64 == chunk.size && is_right() && are_framed(&unpacked)
+fn is_intact(chunk: &Chunk<'_>, work: &Work) -> bool {
+    whole(chunk, work).is_ok()
+}
+
+/// The records of a chunk that is all there, of the size and with the checksum it says.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn whole<'a>(chunk: &Chunk<'a>, work: &Work) -> Result<Cow<'a, [u8]>, &'static str> {
+    if chunk.records.len() as u64 != chunk.length || chunk.size > MOST {
+        return Err("a chunk is not as long as it says");
     }
+    if !["", "zstd", "lz4"].contains(&chunk.compression.as_str()) {
+        return Err("a chunk is compressed in a way that is not read");
+    }
+    if !work.spend(chunk.size.max(chunk.length)) {
+        return Err("the chunks unpack to too much");
+    }
+    let unpacked = unpack(chunk);
+    if unpacked.len() as u64 != chunk.size {
+        return Err("a chunk does not unpack to the size it says");
+    }
+    if chunk.crc != 0 && crc32fast::hash(&unpacked) != chunk.crc {
+        return Err("the checksum (CRC) of a chunk is wrong");
+    }
+    if are_framed(&unpacked) { Ok(unpacked) } else { Err("a chunk does not hold whole records") }
 }
 
 /// The records of a chunk, as far as they can be unpacked.

@@ -5,6 +5,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use super::read::{Ending, Summary};
+use crate::terminal::line;
 
 impl Ending {
     /// The ending in one word.
@@ -66,17 +67,20 @@ impl fmt::Display for Summary {
         if let Some((start, end)) = self.times {
             write!(f, ", from {} s to {} s", seconds(start), seconds(end))?;
         }
-        writeln!(f, ", written by {}", if self.library.is_empty() { "?" } else { &self.library })?;
+        writeln!(f, ", written by {}", if self.library.is_empty() { "?".into() } else { line(&self.library) })?;
         for (name, topic) in &self.topics {
-            let schema = if topic.schema.is_empty() { "-" } else { &topic.schema };
-            writeln!(f, "topic {name:<18} {:>8} messages  {:<8} {schema}", topic.messages, topic.encoding)?;
+            let schema = if topic.schema.is_empty() { "-".into() } else { line(&topic.schema) };
+            let (name, encoding) = (line(name), line(&topic.encoding));
+            writeln!(f, "topic {name:<18} {:>8} messages  {encoding:<8} {schema}", topic.messages)?;
         }
         for (name, media_type, size) in &self.attachments {
+            let (name, media_type) = (line(name), line(media_type));
             writeln!(f, "attachment {name:<13} {size:>8} bytes     {media_type}")?;
         }
         for (name, pairs) in &self.metadata {
-            writeln!(f, "metadata {name}")?;
+            writeln!(f, "metadata {}", line(name))?;
             for (key, value) in pairs {
+                let (key, value) = (line(key), line(value));
                 writeln!(f, "  {key:<22} {value}")?;
             }
         }

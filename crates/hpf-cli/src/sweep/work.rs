@@ -1,6 +1,5 @@
 //! Learning the runs that are not there yet: several at once, each as it would be learned alone.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -8,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::plan::{Job, Plan};
 use crate::failure::Failure;
-use crate::files::sha256;
+use crate::files::{read_text, sha256};
 use crate::interrupt;
 use crate::progress::Tally;
 use crate::results::{OwnTable, read_learning};
@@ -41,7 +40,7 @@ fn standing(job: &Job, folder: &Path, full: bool) -> Standing {
     if !directory.exists() {
         return Standing::Nothing;
     }
-    let text = |name: &str| fs::read_to_string(directory.join(name)).unwrap_or_default();
+    let text = |name: &str| read_text(&directory.join(name)).unwrap_or_default();
     let summary: Value = serde_json::from_str(&text("summary.json")).unwrap_or_default();
     if summary["format"] != json!("hpf-summary") || summary["version"] != json!(1) {
         return Standing::Other("has no summary.json that is whole");

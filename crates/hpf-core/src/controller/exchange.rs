@@ -49,6 +49,8 @@ pub struct Output<T, const D: usize> {
     pub rate: T,
     /// Energy in the tank [J]; nought without one.
     pub energy: T,
+    /// Energy at the physical port [J]; zero without one.
+    pub port_energy: T,
     /// What the controller does.
     pub mode: Mode,
     /// What has happened in this step.
@@ -101,7 +103,7 @@ pub struct Status {
     pub force_tripped: bool,
     /// The robot was further from the command than allowed.
     pub tracking_tripped: bool,
-    /// The energy tank has held back stiffness, motion along the path or a force set-point.
+    /// The energy tank has held back stiffness, motion along the path or a force set-point, or the port a motion.
     pub energy_short: bool,
     /// In Idle: the force has stood still long enough for a tare.
     pub tare_ready: bool,

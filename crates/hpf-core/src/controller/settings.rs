@@ -4,7 +4,7 @@ use crate::admittance::Inertial;
 use crate::conditioning::ForceConditioning;
 use crate::domain::{LONGEST_HOLD, LONGEST_RAMP, LONGEST_STEP, SHORTEST_STEP};
 use crate::limits::Limits;
-use crate::passivity::EnergyTank;
+use crate::passivity::{EnergyTank, Port};
 use crate::{AxisPrimitives, ConfigError, Real, error};
 
 /// Everything beside the skill; all of it may change between steps, see
@@ -17,6 +17,9 @@ pub struct Settings<T, const D: usize> {
     pub conditioning: ForceConditioning<T, D>,
     /// Guard of passivity, if there is one.
     pub tank: Option<EnergyTank<T>>,
+    /// The tank's energy kept at the physical port too, by what is measured; a controller with a port needs a measured
+    /// position, and does not move without.
+    pub port: Option<Port<T, D>>,
     /// Time and its faults.
     pub timing: Timing<T>,
 }
@@ -78,6 +81,7 @@ impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
             axes: limits.map(axis),
             conditioning: ForceConditioning { tool_mass: T::ZERO, gravity: zero, cutoff: None, dead_zone: zero },
             tank: None,
+            port: None,
             timing: Timing { longest_step: T::of(0.01), ramp: T::of(0.2), hold: T::of(0.02), oldest_force: 4 },
         }
     }
@@ -93,6 +97,7 @@ impl<T: Real + PartialOrd, const D: usize> Settings<T, D> {
         error::within("timing.ramp", ramp, 0.0, LONGEST_RAMP)?;
         error::within("timing.hold", hold, 0.0, LONGEST_HOLD)?;
         self.conditioning.check()?;
+        self.check_port()?;
         let mut laws = [None; D];
         for ((law, axis), primitives) in laws.iter_mut().zip(&self.axes).zip(primitives) {
             axis.limits.check()?;

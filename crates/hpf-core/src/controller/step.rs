@@ -1,5 +1,6 @@
 //! One step of a controller: rate, reference, offset, limits and the books of energy.
 
+use super::port::confined;
 use super::reference::Course;
 use super::{Compliance, Controller, Input, Mode};
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
@@ -21,6 +22,9 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         // A trip or a loss in the very step of the start leaves the arm where it is.
         self.moved |= self.last.mode == Mode::Run;
+        if self.settings.port.is_some() {
+            self.observe(input);
+        }
         let rate = self.next_rate(input.rate, dt);
         self.keep_pace(rate, dt);
         self.walk(force, rate, dt);
@@ -62,6 +66,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Advances reference, offsets and commands.
     fn walk(&mut self, force: [T; D], rate: T, dt: T) {
         let tank = self.settings.tank.as_ref();
+        // In Idle the command stands where it was put.
+        let walled = self.settings.port.is_some() && self.last.mode != Mode::Idle;
         let gives = self.gives();
         let half = self.pace.half;
         let middle = self.last.phase + self.last.phase * half;
@@ -94,6 +100,16 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             let farthest = settings.limits.velocity * dt;
             if distance.abs() > farthest {
                 share = lesser(share, farthest, distance.abs());
+            }
+            if walled {
+                let wanted = distance / dt;
+                let (found, less) =
+                    confined(wanted, command.position, &state.port.walls, settings.limits.acceleration, dt);
+                // Back to the walls goes the offset, not the path.
+                if less && distance != T::ZERO {
+                    share = lesser(share, (found / wanted).at_least(T::ZERO), T::ONE);
+                    short = true;
+                }
             }
             cost = cost - force * distance;
         }
@@ -141,9 +157,15 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             let limits = &settings.limits;
             let room = [limits.offset + before.offset, limits.offset - before.offset];
             let (giving, held) = brake(wanted, room, limits.acceleration, dt);
-            let (velocity, hits) = limits.velocity(command.position, command.velocity, travel / dt + giving, dt);
-            if held || hits.any_motion() {
-                let give = if hits.any_motion() { velocity * dt - travel } else { giving * dt };
+            let mut wanted = travel / dt + giving;
+            let mut stopped = false;
+            if walled {
+                (wanted, stopped) = confined(wanted, command.position, &state.port.walls, limits.acceleration, dt);
+                short |= stopped;
+            }
+            let (velocity, hits) = limits.velocity(command.position, command.velocity, wanted, dt);
+            if held || stopped || hits.any_motion() {
+                let give = if stopped || hits.any_motion() { velocity * dt - travel } else { giving * dt };
                 let offset = before.offset + give;
                 let (kept, dragged) = cut(offset, T::ZERO, limits.offset);
                 state.offset = OffsetMotion { offset: kept, velocity: give / dt };
@@ -172,7 +194,7 @@ fn lesser<T: Real>(share: T, part: T, whole: T) -> T {
 }
 
 /// How an offset gives way to a force held over a step; `gains` are stiffness, damping, force and dt.
-#[inline]
+#[inline(always)]
 fn give_way<T: Real>(law: Option<Inertial<T>>, before: OffsetMotion<T>, gains: [T; 4]) -> OffsetMotion<T> {
     if let Some(law) = law {
         return step_inertial(law, before, gains);

@@ -79,23 +79,46 @@ impl Default for Outline {
 const LEAST_TRAVEL: f64 = 0.1;
 
 impl Outline {
+    /// Duration [s] as asked for, before it is fitted to a rate.
+    fn wanted_duration(&self, demonstrations: &[Demonstration]) -> f64 {
+        let duration = match self.duration {
+            DurationFrom::First => demonstrations[0].duration(),
+            DurationFrom::Mean => {
+                demonstrations.iter().map(Demonstration::duration).sum::<f64>() / demonstrations.len() as f64
+            }
+            DurationFrom::Given(time) => time,
+        };
+        // To the nanosecond: time stamps that start anywhere leave roundings in their difference.
+        if duration > 1e-6 { (duration * 1e9).round() / 1e9 } else { duration }
+    }
+
+    /// Duration [s] and rate [Hz], whose product is a whole number of steps. A rate that is given is kept: the duration
+    /// is the nearest one that it cuts into whole steps. Without one, the duration is kept.
+    fn time(&self, demonstrations: &[Demonstration]) -> [f64; 2] {
+        let duration = self.wanted_duration(demonstrations);
+        if let Some(rate) = self.rate {
+            let steps = (duration * rate).round().max(2.0);
+            let is_whole = (duration * rate - steps).abs() <= 1e-9 * steps;
+            return [if is_whole { duration } else { steps / rate }, rate];
+        }
+        let samples = demonstrations.iter().map(|one| (one.time.len() - 1) as f64).sum::<f64>();
+        let rate = (samples / demonstrations.len() as f64).round().max(2.0) / duration;
+        [duration, if rate < 1e6 { (rate * 1e9).round() / 1e9 } else { rate }]
+    }
+
+    /// What the user should know of duration and rate: where they are not as asked for, or fit no usual rate.
+    pub fn note(&self, demonstrations: &[Demonstration]) -> Option<String> {
+        let ([duration, rate], wanted) = (self.time(demonstrations), self.wanted_duration(demonstrations));
+        (duration != wanted).then(|| {
+            format!("the duration is {duration} s instead of {wanted} s, so that {rate} Hz cut it into whole steps")
+        })
+    }
+
     /// The text of the task that `demonstrations`, at least one and all of the same axes, belong to.
     pub fn write(&self, demonstrations: &[Demonstration]) -> String {
         let first = &demonstrations[0];
         let count = demonstrations.len() as f64;
-        let duration = match self.duration {
-            DurationFrom::First => first.duration(),
-            DurationFrom::Mean => demonstrations.iter().map(Demonstration::duration).sum::<f64>() / count,
-            DurationFrom::Given(time) => time,
-        };
-        // To the nanosecond: time stamps that start anywhere leave roundings in their difference.
-        let duration = if duration > 1e-6 { (duration * 1e9).round() / 1e9 } else { duration };
-        let steps = match self.rate {
-            Some(rate) => (duration * rate).round(),
-            None => (demonstrations.iter().map(|one| (one.time.len() - 1) as f64).sum::<f64>() / count).round(),
-        };
-        let rate = steps.max(2.0) / duration;
-        let rate = if rate < 1e6 { (rate * 1e9).round() / 1e9 } else { rate };
+        let [duration, rate] = self.time(demonstrations);
 
         let mut text = format!(
             "# Made from {} by `hpf imitate`. Learning goes on from the demonstrated policy with:\n#\n\

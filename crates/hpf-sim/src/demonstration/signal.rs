@@ -17,8 +17,8 @@ pub enum Smoothing {
 /// Above this share of the sample rate a cut-off leaves nothing to smooth.
 const LARGEST_CUT_OFF: f64 = 0.4;
 
-/// A reflection this many periods of the cut-off long: what the filter remembers has then fallen to 1e-12.
-const REFLECTED_PERIODS: f64 = 6.0;
+/// Below this many periods of the cut-off in the reflection, its slowest wave passes by less than 1e-12: the line is left.
+const LEAST_CUT_OFF: f64 = 1e-3;
 
 /// `values` at `times` (rising) taken at `at`, on cubics with the slopes of parabolas through three samples: exact for
 /// parabolas, smooth in the first derivative.
@@ -67,39 +67,75 @@ pub fn grid(count: usize, end: f64) -> impl Iterator<Item = f64> {
 }
 
 /// Low-pass without delay: a second-order Butterworth filter forwards and backwards, `cut_off` as a share of the sample
-/// rate. Each way halves the power at the cut-off, both ways halve the amplitude. Both ends are continued by reflection
-/// through their sample, which keeps its value.
+/// rate. Each way halves the power at the cut-off, both ways halve the amplitude.
+///
+/// Both ends are continued by reflection through their sample, without end, so that they keep their values whatever the
+/// cut-off: what is left beside the line from the first to the last sample then repeats itself, and the filter is brought
+/// to where that leads it. A cut-off far below 1/T leaves the line.
 pub fn low_pass(values: &[f64], cut_off: f64) -> Vec<f64> {
     if cut_off >= LARGEST_CUT_OFF {
         return values.to_vec();
     }
     let last = values.len() - 1;
-    let pad = ((REFLECTED_PERIODS / cut_off).ceil() as usize).min(last);
-    let before = (1..=pad).rev().map(|i| 2.0 * values[0] - values[i]);
-    let after = (1..=pad).map(|i| 2.0 * values[last] - values[last - i]);
-    let mut padded: Vec<f64> = before.chain(values.iter().copied()).chain(after).collect();
-    for _ in 0..2 {
-        filter(&mut padded, cut_off);
-        padded.reverse();
+    let rise = (values[last] - values[0]) / last as f64;
+    let line = |i: usize| values[0] + rise * i as f64;
+    if cut_off * 2.0 * (last as f64) < LEAST_CUT_OFF {
+        return (0..=last).map(|i| if i == last { values[last] } else { line(i) }).collect();
     }
-    padded[pad..=pad + last].to_vec()
+    // One period: there, and back with the sign turned.
+    let there: Vec<f64> = values.iter().enumerate().map(|(i, value)| value - line(i)).collect();
+    let back = there[1..last].iter().rev().map(|value| -value);
+    let mut period: Vec<f64> = there[..last].iter().copied().chain([0.0]).chain(back).collect();
+    let filter = Filter::new(cut_off);
+    for _ in 0..2 {
+        filter.repeat(&mut period);
+        period.reverse();
+    }
+    // Rounding apart both ends are 0 there.
+    (0..=last).map(|i| if i == 0 || i == last { values[i] } else { line(i) + period[i] }).collect()
 }
 
-/// A second-order Butterworth low-pass by the bilinear transform, at rest at the first value.
-fn filter(values: &mut [f64], cut_off: f64) {
-    // libm: the same bits on every platform.
-    let k = libm::tan(PI * cut_off);
-    let scale = 1.0 / (1.0 + SQRT_2 * k + k * k);
-    let b = k * k * scale;
-    let (a1, a2) = (2.0 * (k * k - 1.0) * scale, (1.0 - SQRT_2 * k + k * k) * scale);
-    let rest = values[0];
-    let (mut first, mut second) = (0.0, 0.0);
-    for value in values {
-        let input = *value - rest;
-        let output = b * input + first;
-        first = 2.0 * b * input - a1 * output + second;
-        second = b * input - a2 * output;
-        *value = rest + output;
+/// A second-order Butterworth low-pass by the bilinear transform, as two integrators in a loop: unlike a recursion over
+/// the last outputs it is well conditioned however low the cut-off.
+struct Filter {
+    a1: f64,
+    a2: f64,
+    a3: f64,
+}
+
+impl Filter {
+    fn new(cut_off: f64) -> Self {
+        // libm: the same bits on every platform.
+        let g = libm::tan(PI * cut_off);
+        let a1 = 1.0 / (1.0 + g * (g + SQRT_2));
+        Self { a1, a2: g * a1, a3: g * g * a1 }
+    }
+
+    /// One step from the state of the integrators: the output, and the next state.
+    fn step(&self, [first, second]: [f64; 2], input: f64) -> (f64, [f64; 2]) {
+        let rest = input - second;
+        let band = self.a1 * first + self.a2 * rest;
+        let low = second + self.a2 * first + self.a3 * rest;
+        (low, [2.0 * band - first, 2.0 * low - second])
+    }
+
+    /// The state that repeats itself after `period`: `s = A s + c`, with the state c that one period leads to from rest.
+    fn repeating(&self, period: &[f64]) -> [f64; 2] {
+        let run =
+            |state: [f64; 2], factor: f64| period.iter().fold(state, |state, input| self.step(state, factor * input).1);
+        let c = run([0.0; 2], 1.0);
+        let (x, y) = (run([1.0, 0.0], 0.0), run([0.0, 1.0], 0.0));
+        let (p, q, r, s) = (1.0 - x[0], -y[0], -x[1], 1.0 - y[1]);
+        let determinant = p * s - q * r;
+        [(s * c[0] - q * c[1]) / determinant, (p * c[1] - r * c[0]) / determinant]
+    }
+
+    /// Filters a signal that repeats itself, in its settled state.
+    fn repeat(&self, period: &mut [f64]) {
+        let mut state = self.repeating(period);
+        for value in period {
+            (*value, state) = self.step(state, *value);
+        }
     }
 }
 
@@ -166,16 +202,23 @@ mod tests {
     }
 
     #[test]
-    fn both_ends_keep_their_values() {
-        let values: Vec<f64> = (0..300).map(|i| (0.07 * f64::from(i)).sin() + 0.01 * f64::from(i)).collect();
-        let smooth = low_pass(&values, 0.02);
-        // Exact for an endless reflection; the reflected part ends within what the filter remembers to 1e-12.
-        assert!(
-            (smooth[0] - values[0]).abs() < 1e-9 && (smooth[299] - values[299]).abs() < 1e-9,
-            "{} {}",
-            smooth[0],
-            smooth[299]
-        );
+    fn any_cut_off_keeps_the_ends_and_lowers_every_wave_of_the_reflection_by_its_own_share() {
+        // Beside the line of its ends, the endless reflection of a half wave sin(pi j i/n) is that wave: it passes by
+        // |H|^2 = 1/(1 + (K/K_c)^4), K = tan(pi j/(2 n)) of its frequency j/(2 n).
+        let n = 100;
+        let line = |i: usize| 0.2 + 0.3 * i as f64 / n as f64;
+        let wave = |j: usize, i: usize| (PI * (j * i) as f64 / n as f64).sin();
+        let values: Vec<f64> = (0..=n).map(|i| line(i) + 0.1 * wave(1, i) - 0.05 * wave(7, i)).collect();
+        for cut_off in [1e-9, 1e-6, 5e-4, 1e-3, 3e-3, 0.005, 0.02, 0.1, 0.3] {
+            let share =
+                |j: usize| 1.0 / (1.0 + ((PI * j as f64 / (2 * n) as f64).tan() / (PI * cut_off).tan()).powi(4));
+            let smooth = low_pass(&values, cut_off);
+            assert_eq!([smooth[0], smooth[n]], [values[0], values[n]], "at {cut_off}");
+            for (i, smooth) in smooth.iter().enumerate() {
+                let expected = line(i) + 0.1 * share(1) * wave(1, i) - 0.05 * share(7) * wave(7, i);
+                assert!((smooth - expected).abs() < 1e-9, "{smooth} {expected} at {i}, cut-off {cut_off}");
+            }
+        }
     }
 
     #[test]

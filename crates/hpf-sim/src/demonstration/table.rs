@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::{Demonstration, RecordedAxis};
+use crate::table_end::TableEnd;
 use crate::task::{MAX_AXES, MAX_STEPS, Unit, nearest};
 
 /// Fewest samples of a recording: an acceleration by differences needs four neighbours.
@@ -92,7 +93,8 @@ impl Demonstration {
     /// Reads a recording: CSV whose header names `time_s`, and for each axis `<axis>_m` or `<axis>_position_m`,
     /// and what there is of `<axis>_reference_m`, `_stiffness_n_m`, `_damping_n_s_m`, `_force_n` and `_emg`; for an
     /// axis in rad `_rad`, `_stiffness_nm_rad`, `_damping_nm_s_rad`, `_torque_nm`. The trajectory of a run is one. Lines
-    /// that begin with `#` are left out. Time may start anywhere.
+    /// that begin with `#` are left out. Time may start anywhere. A last number that may be cut ([`TableEnd`]) is a
+    /// mistake.
     ///
     /// ```
     /// let text = "time_s,x_m\n3.0,0.0\n3.1,0.1\n3.2,0.5\n3.3,0.9\n3.4,1.0\n";
@@ -158,6 +160,13 @@ impl Demonstration {
             let allowed = format!("at least {MIN_SAMPLES} and at most {} are needed", MAX_STEPS + 1);
             let message = format!("{samples} samples; {allowed}");
             mistakes.push(Mistake { line: last, column: None, message });
+        }
+        if let (true, TableEnd::Cut { number, .. }) = (mistakes.is_empty(), TableEnd::of(text)) {
+            let message = format!(
+                "the last number, {number}, is shorter than the others and no line break follows: the file may be cut; \
+                 where it is whole, end it with a line break"
+            );
+            mistakes.push(Mistake { line: last, column: names.last().map(|name| (*name).to_owned()), message });
         }
         if !mistakes.is_empty() {
             mistakes.truncate(MAX_MISTAKES);

@@ -6,7 +6,7 @@ use hpf_core::ConfigError;
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{self as control, AxisSettings, Compliance};
 use hpf_core::limits;
-use hpf_core::passivity::EnergyTank;
+use hpf_core::passivity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +35,8 @@ pub struct Settings {
     pub readings: Readings,
     /// Guard of passivity, if there is one.
     pub tank: Option<Tank>,
+    /// Guard of passivity at the robot itself, if there is one; it needs the tank.
+    pub port: Option<Port>,
     /// Time and its faults.
     pub timing: Timing,
     /// What is asked for, and when; a movement that nobody starts starts at once.
@@ -142,6 +144,24 @@ fn default_power() -> f64 {
     100.0
 }
 
+/// What is known of the sensor and the robot where the robot meets its environment.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Port {
+    /// How many steps a fresh reading may be late.
+    #[schemars(range(min = 0, max = 6))]
+    pub force_delay: u32,
+    /// The most a reading may be off, after tare [N].
+    pub force_bias: PerAxis,
+}
+
+impl Default for Port {
+    fn default() -> Self {
+        Self { force_delay: 0, force_bias: PerAxis::All(0.0) }
+    }
+}
+
 /// Time and its faults.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
@@ -240,6 +260,7 @@ impl Default for Settings {
             trips: Trips::default(),
             readings: Readings::default(),
             tank: None,
+            port: None,
             timing: Timing::default(),
             request: Vec::new(),
         }
@@ -288,6 +309,7 @@ impl Settings {
         ] {
             length(path, numbers.as_ref().and_then(PerAxis::count));
         }
+        length("port.force_bias", self.port.as_ref().and_then(|port| port.force_bias.count()));
         length("readings.gravity", self.readings.gravity.count());
         length("readings.dead_zone", self.readings.dead_zone.count());
         for (i, request) in self.request.iter().enumerate() {
@@ -341,12 +363,17 @@ impl Settings {
         };
         let tank = self.tank.as_ref();
         let tank =
-            tank.map(|tank| EnergyTank::new(tank.capacity, tank.reserve, tank.refill, tank.power)).transpose()?;
+            tank.map(|tank| passivity::EnergyTank::new(tank.capacity, tank.reserve, tank.refill, tank.power)).transpose()?;
+        let port = self.port.as_ref().map(|port| passivity::Port {
+            force_delay: port.force_delay,
+            force_bias: array::from_fn(|axis| port.force_bias.of(axis)),
+        });
         let Timing { ramp, hold, oldest_force } = self.timing;
         Ok(control::Settings {
             axes,
             conditioning,
             tank,
+            port,
             timing: control::Timing { longest_step: dt, ramp, hold, oldest_force },
         })
     }

@@ -53,9 +53,14 @@ impl<'a> Document<'a> {
         Err(found)
     }
 
+    /// The table of the whole file.
+    pub(super) fn root(&self) -> &DeTable<'a> {
+        self.root.get_ref()
+    }
+
     /// All mistakes of keys, types and ranges.
     pub(super) fn check_against(&self, schema: &Schema, whole: &str) -> Vec<Diagnostic> {
-        let mut walk = Walk { definitions: &schema["$defs"], found: Vec::new() };
+        let mut walk = Walk { schemas: Schemas::of(schema), found: Vec::new() };
         walk.table(schema, self.root.get_ref(), 0..0, whole);
         walk.found
     }
@@ -81,14 +86,16 @@ impl<'a> Document<'a> {
     }
 }
 
-struct Walk<'s> {
+/// The schemas that others refer to.
+#[derive(Clone, Copy)]
+pub(super) struct Schemas<'s> {
     definitions: &'s Schema,
-    found: Vec<Diagnostic>,
 }
 
-impl<'s> Walk<'s> {
-    fn say(&mut self, span: Range<usize>, message: String, help: String) {
-        self.found.push(Diagnostic { span, message, help });
+impl<'s> Schemas<'s> {
+    /// Those of `schema`.
+    pub(super) fn of(schema: &'s Schema) -> Self {
+        Self { definitions: &schema["$defs"] }
     }
 
     fn resolve(&self, schema: &'s Schema) -> &'s Schema {
@@ -99,7 +106,7 @@ impl<'s> Walk<'s> {
     }
 
     /// The schemas of which one must hold: the members of a union without "null", or the schema itself.
-    fn alternatives(&self, schema: &'s Schema) -> Vec<&'s Schema> {
+    pub(super) fn alternatives(&self, schema: &'s Schema) -> Vec<&'s Schema> {
         let schema = self.resolve(schema);
         let union = schema["anyOf"].as_array().or_else(|| schema["oneOf"].as_array());
         match union {
@@ -109,6 +116,21 @@ impl<'s> Walk<'s> {
             }
             None => vec![schema],
         }
+    }
+}
+
+struct Walk<'s> {
+    schemas: Schemas<'s>,
+    found: Vec<Diagnostic>,
+}
+
+impl<'s> Walk<'s> {
+    fn say(&mut self, span: Range<usize>, message: String, help: String) {
+        self.found.push(Diagnostic { span, message, help });
+    }
+
+    fn alternatives(&self, schema: &'s Schema) -> Vec<&'s Schema> {
+        self.schemas.alternatives(schema)
     }
 
     fn value(&mut self, schema: &'s Schema, value: &Spanned<DeValue<'_>>, key: &str) {
@@ -142,10 +164,11 @@ impl<'s> Walk<'s> {
             }
             DeValue::Integer(number) => {
                 let value = i128::from_str_radix(number.as_str(), number.radix());
-                match value.ok().filter(|value| (i64::MIN.into()..=u64::MAX.into()).contains(value)) {
+                // TOML has integers of 64 bits with a sign; every reader takes those, and not all of them more.
+                match value.ok().filter(|value| (i64::MIN.into()..=i64::MAX.into()).contains(value)) {
                     Some(value) => self.number(schema, value as f64, &number.to_string(), span, key),
                     None => {
-                        let help = format!("`{key}` must be {} that fits in 64 bits", self.describe(schema));
+                        let help = format!("`{key}` must be {}, 64 bits with a sign", self.describe(schema));
                         self.say(span, format!("`{key}` is out of range: {number}"), help);
                     }
                 }
@@ -292,7 +315,13 @@ impl<'s> Walk<'s> {
         if kind == Some("object") {
             text += &self.shape(schema);
         }
-        let bound = |name: &str| schema[name].as_f64();
+        // A whole number is written as it is, whatever its size.
+        let bound = |name: &str| match &schema[name] {
+            Schema::Number(number) => {
+                Some(number.as_f64().filter(|_| number.is_f64()).map_or(number.to_string(), |n| n.to_string()))
+            }
+            _ => None,
+        };
         let (min, max) = (bound("minimum"), bound("maximum"));
         let _ = match (min, bound("exclusiveMinimum"), max, bound("exclusiveMaximum")) {
             (Some(min), _, Some(max), _) => write!(text, " from {min} to {max}"),
@@ -332,7 +361,7 @@ impl<'s> Walk<'s> {
     }
 }
 
-fn required(schema: &Schema) -> impl Iterator<Item = &str> {
+pub(super) fn required(schema: &Schema) -> impl Iterator<Item = &str> {
     schema["required"].as_array().into_iter().flatten().filter_map(Schema::as_str)
 }
 
@@ -347,7 +376,7 @@ fn any_of(names: &[&str]) -> String {
 }
 
 /// The words a string schema allows.
-fn names(schema: &Schema) -> Vec<&str> {
+pub(super) fn names(schema: &Schema) -> Vec<&str> {
     let listed = schema["enum"].as_array().into_iter().flatten();
     listed.chain([&schema["const"]]).filter_map(Schema::as_str).collect()
 }

@@ -24,7 +24,7 @@ pub struct Learning {
     #[schemars(range(min = 2, max = 100_000))]
     pub rollouts: usize,
     /// Stop before more motions than this are made; every motion counts, evaluations too.
-    #[schemars(range(min = 1))]
+    #[schemars(range(min = 1, max = 9_223_372_036_854_775_807_i64))]
     pub max_rollouts: Option<usize>,
     /// What is learned: `"movement"`, `"stiffness"`, `"damping"`, `"goal"`, each of all axes or, as `"x.movement"`, of
     /// one; the rest keeps its start values. Left out: movement, stiffness and damping.
@@ -59,6 +59,7 @@ pub struct Learning {
     /// The path that learning starts from.
     pub initial_path: InitialPath,
     /// Seed of all random numbers.
+    #[schemars(range(max = 9_223_372_036_854_775_807_i64))]
     pub seed: u64,
 }
 

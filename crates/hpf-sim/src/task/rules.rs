@@ -18,7 +18,7 @@ const MAX_DELAY_STEPS: f64 = 1000.0;
 
 /// Appends every contradiction in `task` to `found`.
 pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagnostic>) {
-    let is_clean = found.is_empty();
+    let is_misspelt = found.iter().any(|diagnostic| diagnostic.message.starts_with("unknown key"));
     let mut rules = Rules { task, document, found };
     let named = rules.names();
     rules.steps();
@@ -34,8 +34,8 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
         rules.learned();
     }
     rules.via_points();
-    // What a file lacks is told only where all it has is right: a misspelt table would be told twice.
-    if is_clean {
+    // What a file lacks is told only where every key is known: a misspelt table would be told twice.
+    if !is_misspelt {
         rules.cost_and_targets();
     }
     rules.process();
@@ -99,7 +99,12 @@ impl Rules<'_, '_, '_> {
             let help = format!("duration times rate is the number of steps, at most {MAX_STEPS}");
             self.say("rate", format!("{product} {} steps", plain(steps.round())), help);
         } else if (steps - steps.round()).abs() > 1e-6 * steps {
-            let help = "duration times rate is the number of steps and must be a whole number";
+            let near =
+                [steps.floor().max(2.0), steps.floor().max(2.0) + 1.0].map(|steps| plain(steps / self.task.duration));
+            let help = format!(
+                "duration times rate is the number of steps and must be a whole number: the nearest rates are {} and {}",
+                near[0], near[1]
+            );
             self.say("rate", format!("{product} {steps} steps"), help);
         } else if steps.round() < 2.0 {
             let help = "duration times rate is the number of steps, at least 2";
@@ -417,6 +422,7 @@ impl Rules<'_, '_, '_> {
                 ("cost.contact_force", cost.contact_force > 0.0),
                 ("accept.max_deviation", task.accept.max_deviation.is_some()),
                 ("accept.max_force_error", task.accept.max_force_error.is_some()),
+                ("accept.settling_time", task.accept.settling_time.is_some()),
                 ("accept.max_contact_loss", task.accept.max_contact_loss.is_some()),
             ];
             for (path, given) in targets {

@@ -3,11 +3,12 @@
 use core::fmt::Write as _;
 
 use hpf_sim::demonstration::{DampingFrom, Imitated, StiffnessFrom};
-use hpf_sim::task::{Task, Unit};
+use hpf_sim::task::Unit;
 use serde_json::{Map, Value, json};
 
 use super::Source;
 use crate::render::{self, number};
+use crate::results::Run;
 use crate::summary::Summary;
 
 /// The unit of an axis in letters.
@@ -35,8 +36,9 @@ struct AxisAccount {
 }
 
 impl Account {
-    /// The account of `imitated` from `sources`; `errors` is its distance from the demonstrations by axis.
-    pub fn new(sources: &[Source], imitated: &Imitated, errors: &[f64]) -> Self {
+    /// The account of `imitated` from `sources`; `errors` is its distance from the demonstrations by axis,
+    /// `notes` what the user should know.
+    pub fn new(sources: &[Source], imitated: &Imitated, errors: &[f64], notes: Vec<String>) -> Self {
         let spread = imitated.spread();
         let axes = imitated.policy.axes.iter().enumerate().map(|(a, axis)| AxisAccount {
             name: axis.name.clone(),
@@ -60,7 +62,7 @@ impl Account {
         Self {
             sources: sources.iter().map(|source| (source.path.display().to_string(), source.sha256.clone())).collect(),
             axes: axes.collect(),
-            notes: imitated.notes.clone(),
+            notes,
         }
     }
 
@@ -86,7 +88,8 @@ impl Account {
     }
 
     /// The result in the terminal.
-    pub fn text(&self, task: &Task, summary: &Summary, folder: &str, files: &[String]) -> String {
+    pub fn text(&self, run: &Run, summary: &Summary, folder: &str, files: &[String]) -> String {
+        let task = &run.task;
         let count = self.sources.len();
         let mut text = format!(
             "{}: a policy of {} s from {count} demonstration{}, {} steps at {} Hz\n",
@@ -114,7 +117,7 @@ impl Account {
             );
         }
         let _ = write!(text, "\ncost {} in the task\n\n", number(summary.last.0));
-        text += &render::metrics(task, &summary.metrics);
+        text += &render::metrics(run, &summary.metrics);
         let _ = write!(text, "\nwritten to {folder}:\n{}", render::wrapped(files));
         let _ = write!(text, "\nnext: hpf learn {folder}/task.toml --from {folder} --out {folder}_learned\n");
         text
