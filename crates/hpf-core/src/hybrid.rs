@@ -124,9 +124,8 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// A skill from its phase, the bases of movement, stiffness and damping, and its axes.
     ///
     /// # Errors
-    /// [`ConfigError`] where an axis has not one weight per function of the basis, and for a law of second order that
-    /// [`Law::inertial`] refuses for the largest gains and the longest step, 1e9 s: a mass below 4.4e-7 s d or
-    /// 2e-13 s^2 k.
+    /// [`ConfigError`] where an axis has not one weight per function of the basis, and for a law with a number outside its
+    /// [domain](crate::domain).
     pub fn new(
         phase: Phase<T>,
         [movement_basis, stiffness_basis, damping_basis]: [Basis<T, S>; 3],
@@ -208,10 +207,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     }
 
     fn check_laws(&self) -> Result<(), ConfigError> {
-        let longest = T::of(LARGEST);
-        self.axes
-            .iter()
-            .try_for_each(|axis| axis.law.inertial(axis.stiffness.max(), axis.damping.max(), longest).map(drop))
+        self.axes.iter().try_for_each(|axis| axis.law.check())
     }
 
     /// At rest at the start, without offset.
@@ -232,7 +228,8 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     /// Advances by `dt` [s] under the measured force of the environment on the tool [N], time running at `rate`.
     ///
     /// Total: `rate` is limited to [0, 1]; a `dt` that is negative or not finite counts as no time; a force that is
-    /// not finite leaves the offset of its axis where it is, at rest; beyond 1e9, `dt` and force count as 1e9.
+    /// not finite leaves the offset of its axis where it is, at rest; beyond 1e9, `dt` and force count as 1e9. In a step
+    /// 1e15 times longer than the times of its law, `m/d` or `sqrt(m/k)`, a mass counts as none.
     pub fn step(&self, state: &mut HybridState<T, D>, measured_force: [T; D], rate: T, dt: T) -> [AxisCommand<T>; D] {
         let rate = rate.max(T::ZERO).min(T::ONE);
         let largest = T::of(LARGEST);
@@ -261,13 +258,18 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
                 state.offset_velocity = T::ZERO;
             } else {
                 let force = force.max(-largest).min(largest);
-                if let Law::SecondOrder { mass, .. } = axis.law {
+                let inertial = match axis.law {
+                    Law::FirstOrder => None,
+                    Law::SecondOrder { mass, .. } => Inertial::within_reach(mass, stiffness, damping, dt),
+                };
+                if let Some(inertial) = inertial {
                     let mut motion = OffsetMotion { offset: state.offset, velocity: state.offset_velocity };
-                    Inertial::at(mass, stiffness, damping, dt).step(&mut motion, stiffness, damping, force, dt);
+                    inertial.step(&mut motion, stiffness, damping, force, dt);
                     (state.offset, state.offset_velocity) = (motion.offset, motion.velocity);
                     give = motion.velocity;
                 } else {
                     state.offset = step_offset(state.offset, stiffness, damping, force, dt);
+                    state.offset_velocity = T::ZERO;
                     give = (force - stiffness * state.offset) / damping;
                 }
             }

@@ -27,6 +27,14 @@ pub enum FitError {
     /// finite.
     #[error("the data do not determine the weights; give more samples or a penalty above nought")]
     Singular,
+    /// The weights leave the domain of a controller.
+    #[error("the path takes a weight of {weight:.3e}, and a movement has at most {most:.3e}; lower alpha, or raise overlap")]
+    Domain {
+        /// The largest one.
+        weight: f64,
+        /// What it may be.
+        most: f64,
+    },
 }
 
 /// A pivot this many roundings per feature above nought, relative to its diagonal entry, counts as nought.

@@ -152,7 +152,7 @@ impl Simulation {
     /// The parameters that learning starts from: the policy's own, or those of the path that the task asks for.
     ///
     /// # Errors
-    /// [`fit::FitError`] where the path cannot be fitted.
+    /// [`fit::FitError`] where the path cannot be fitted, or not by weights that a controller takes.
     pub fn starting_weights(&self, policy: &Policy) -> Result<Vec<f64>, fit::FitError> {
         let mut policy = policy.clone();
         if self.task.learning.initial_path == InitialPath::MinimumJerk {
@@ -171,6 +171,11 @@ impl Simulation {
                 let features: Vec<f64> = rows.flat_map(|(row, s)| row.iter().map(move |phi| s * scale * phi)).collect();
                 let penalty = START_PENALTY * scale * scale;
                 movement.weights = fit::ridge(&features, blocks[0].count, &forcing, penalty)?;
+                let weight = movement.weights.iter().fold(0.0_f64, |largest, weight| largest.max(weight.abs()));
+                let most = blocks[0].max;
+                if weight > most {
+                    return Err(fit::FitError::Domain { weight, most });
+                }
             }
         }
         Ok(self.parameters(&policy))

@@ -89,8 +89,9 @@ fn controller_and_simulation_of_the_same_loop_agree() {
 }
 
 #[test]
-fn against_the_continuous_simulation_the_difference_halves_with_the_step() {
-    for text in [REACH, VIA_POINT, WALL] {
+fn against_the_continuous_simulation_the_difference_falls_with_the_step() {
+    // A held force is half a step late, first order; one that lasts is never late, and the rest is of second order.
+    for (text, fall) in [(VIA_POINT, 2.0), (WALL, 2.0), (REACH, 4.0)] {
         let gaps = [1000.0, 2000.0, 4000.0].map(|rate| {
             let (task, policy) = task(text, rate, "");
             let simulation = Simulation::new(&task, &policy).unwrap();
@@ -99,9 +100,8 @@ fn against_the_continuous_simulation_the_difference_halves_with_the_step() {
             let each = trace.axes.iter().zip(&plain.axes).map(|(a, b)| gap(&a.position, &b.position));
             each.fold(0.0, f64::max)
         });
-        // A held force is half a step late: first order.
         for pair in gaps.windows(2) {
-            assert!((pair[0] / pair[1] - 2.0).abs() < 0.2, "{gaps:?}");
+            assert!((pair[0] / pair[1] - fall).abs() < 0.1 * fall, "{gaps:?}");
         }
         assert!(gaps[0] < 1e-3, "{gaps:?}");
     }
@@ -143,7 +143,7 @@ fn limits_trips_and_the_tank_are_kept_and_told() {
     assert!(tally.hits[3] > 0, "{tally:?}");
     let fastest = trace.axes[0].velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     assert!(fastest <= 0.1 + 1e-9, "{fastest}");
-    let (_, conduct) = controlled("[trips]\nforce = 5.0\n");
+    let (_, conduct) = controlled("[trips]\nforce = 1.0\n");
     assert_eq!(modes(&conduct).last().unwrap().1, Mode::Stop);
     assert!(conduct.tally().trips > 0);
     let (_, conduct) = controlled("[tank]\ncapacity = 1e-3\nrefill = 0.5\n");

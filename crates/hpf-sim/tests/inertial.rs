@@ -49,7 +49,7 @@ fn solve(
         [v, acceleration, w, (load(t, x + e) - d * w - k * e) / MASS]
     };
     let h = duration / (samples * finer) as f64;
-    let mut state = [axis.start, 0.0, start - axis.start, 0.0];
+    let mut state = [start, 0.0, 0.0, 0.0];
     let mut found = vec![[start, 0.0]];
     for i in 0..samples * finer {
         let t = i as f64 * h;

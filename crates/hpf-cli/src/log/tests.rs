@@ -274,7 +274,7 @@ fn recovery_of_a_damaged_log_keeps_every_other_chunk() {
             }
             let mut all = chunks.iter().flat_map(|(_, messages)| messages);
             for message in &rescued {
-                assert!(all.any(|there| there == message), "{flip:#x} at {at}: a message that was not there");
+                assert!(all.any(|there| there == message), "{flip:#x} at {at}: {message:?} was not there");
             }
             assert_ne!(found.ending, Ending::Complete, "{flip:#x} at {at}");
         }

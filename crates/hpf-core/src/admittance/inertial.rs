@@ -72,21 +72,19 @@ impl<T: Real> Inertial<T> {
         // Of a tool in contact: that of the environment is in them, which is bounded by the reach alone.
         error::within("stiffness", stiffness, 0.0, f64::INFINITY)?;
         error::within("damping", damping, 0.0, f64::INFINITY)?;
-        let most = libm::scalbn(SERIES_UP_TO, MOST_HALVINGS.cast_signed());
-        let reach = reach(mass, stiffness, damping, dt);
-        if reach <= most {
-            Ok(Self::at(mass, stiffness, damping, dt))
-        } else {
-            let field = "max(damping/mass, sqrt(stiffness/mass)) dt";
-            Err(ConfigError::OutOfRange { field, value: reach, min: 0.0, max: most })
-        }
+        Self::within_reach(mass, stiffness, damping, dt).ok_or_else(|| ConfigError::OutOfRange {
+            field: "max(damping/mass, sqrt(stiffness/mass)) dt",
+            value: reach(mass, stiffness, damping, dt),
+            min: 0.0,
+            max: libm::scalbn(SERIES_UP_TO, MOST_HALVINGS.cast_signed()),
+        })
     }
 
-    /// The law for gains and a step that [`new`](Self::new) accepts.
-    pub(crate) fn at(mass: T, stiffness: T, damping: T, dt: T) -> Self {
+    /// The same for numbers of a skill and a step that is not negative; none where the step reaches too far.
+    pub(crate) fn within_reach(mass: T, stiffness: T, damping: T, dt: T) -> Option<Self> {
         let reach = reach(mass, stiffness, damping, dt);
-        let enough = |&n: &u32| libm::scalbn(SERIES_UP_TO, n.cast_signed()) >= reach;
-        Self { mass, halvings: (0..MOST_HALVINGS).find(enough).unwrap_or(MOST_HALVINGS) }
+        let halvings = (0..=MOST_HALVINGS).find(|&n| libm::scalbn(SERIES_UP_TO, n.cast_signed()) >= reach);
+        halvings.map(|halvings| Self { mass, halvings })
     }
 
     /// Mass m [kg].

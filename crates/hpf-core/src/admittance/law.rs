@@ -79,6 +79,18 @@ impl<T: Real> Law<T> {
         }
     }
 
+    /// # Errors
+    /// [`ConfigError`] for a mass, a damping ratio or a least damping outside its [domain](crate::domain).
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        let Self::SecondOrder { mass, damping } = *self else { return Ok(()) };
+        error::size("mass", mass)?;
+        if let Damping::Ratio { ratio, floor } = damping {
+            error::size("damping.ratio", ratio)?;
+            error::size("damping.floor", floor)?;
+        }
+        Ok(())
+    }
+
     /// The second-order step for stiffness up to `stiffness` [N/m], a damping primitive up to `damping` [N s/m] and steps
     /// up to `dt` [s]; none for the first order.
     ///
@@ -86,12 +98,8 @@ impl<T: Real> Law<T> {
     /// [`ConfigError`] for a mass, a damping ratio or a least damping outside its
     /// [domain](crate::domain), and as for [`Inertial::new`].
     pub fn inertial(&self, stiffness: T, damping: T, dt: T) -> Result<Option<Inertial<T>>, ConfigError> {
-        let Self::SecondOrder { mass, damping: source } = *self else { return Ok(None) };
-        error::size("mass", mass)?;
-        if let Damping::Ratio { ratio, floor } = source {
-            error::size("damping.ratio", ratio)?;
-            error::size("damping.floor", floor)?;
-        }
+        self.check()?;
+        let Self::SecondOrder { mass, .. } = *self else { return Ok(None) };
         Inertial::new(mass, stiffness, self.damping(stiffness, damping), dt).map(Some)
     }
 }

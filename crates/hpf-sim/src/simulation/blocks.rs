@@ -1,6 +1,7 @@
-//! The parameters of a policy as the learner sees them.
+//! The parameters of a policy as the learner sees them: what it learns, a controller takes.
 
 use hpf_core::Basis;
+use hpf_core::domain::{LARGEST, LARGEST_FORCING};
 use hpf_learn::Block;
 
 use crate::policy::Policy;
@@ -21,9 +22,10 @@ pub(super) fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>
     let noise = &task.learning.noise;
     let mut blocks = Vec::new();
     for (a, axis) in policy.axes.iter().enumerate() {
-        let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
+        // A hair less, for the forcing term is a product.
+        let most = LARGEST.min(LARGEST_FORCING / axis.movement.forcing_scale.abs() * (1.0 - 1e-12));
         let primitives = [
-            ("movement", unbounded, &noise.movement),
+            ("movement", (-most, most), &noise.movement),
             ("stiffness", (axis.stiffness.min, axis.stiffness.max), &noise.stiffness),
             ("damping", (axis.damping.min, axis.damping.max), &noise.damping),
         ];
@@ -46,8 +48,8 @@ pub(super) fn blocks(task: &Task, policy: &Policy, bases: &[Basis<f64, Vec<f64>>
                 count: 1,
                 features: vec![1.0; phases.len()],
                 activations: vec![1.0; phases.len()],
-                min: f64::NEG_INFINITY,
-                max: f64::INFINITY,
+                min: -LARGEST,
+                max: LARGEST,
                 noise: if task.learns(a, "goal") { noise.goal.of(a) } else { 0.0 },
             });
         }
