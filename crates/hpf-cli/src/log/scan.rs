@@ -61,6 +61,8 @@ impl<'a> Found<'a> {
         // Whether `rest` begins where a record ended.
         let mut is_aligned = rest.len() < bytes.len();
         let mut unread = 0;
+        // Behind the end of the data is the index: what looks like a message there is a damaged record of another kind.
+        let mut is_index = false;
         while !rest.is_empty() {
             if is_aligned && rest == MAGIC {
                 break;
@@ -71,7 +73,12 @@ impl<'a> Found<'a> {
                 Place::Piece(piece, length) => {
                     is_aligned = !matches!(piece, Piece::Cut(_));
                     found.strange_bytes += core::mem::take(&mut unread);
-                    found.pieces.push(piece);
+                    is_index |= matches!(piece, Piece::Record(op::DATA_END, data) if data.len() == 4);
+                    if is_index && matches!(piece, Piece::Record(op::MESSAGE, _)) {
+                        found.damaged += 1;
+                    } else {
+                        found.pieces.push(piece);
+                    }
                     length
                 }
                 Place::Damaged(length) => {

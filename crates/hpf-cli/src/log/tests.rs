@@ -261,7 +261,14 @@ fn recovery_of_a_damaged_log_keeps_every_other_chunk() {
     let bytes = log_of(&run(), "recover_damaged");
     let chunks = by_chunk(&bytes);
     let lengths = chunks.iter().flat_map(|(place, _)| (place.start..place.start + 60).chain(place.end..place.end + 20));
-    for at in (0..bytes.len()).step_by(bytes.len() / 200).chain(lengths) {
+    // The kind of every record of the index; one of them becomes a message.
+    let mut kinds = Vec::new();
+    let mut at = chunks.iter().map(|(place, _)| place.end).max().unwrap();
+    while at + mcap::MAGIC.len() < bytes.len() {
+        kinds.push(at);
+        at += 9 + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+    }
+    for at in (0..bytes.len()).step_by(bytes.len() / 200).chain(lengths).chain(kinds) {
         for flip in [0x01, 0xff] {
             let mut damaged = bytes.clone();
             damaged[at] ^= flip;
