@@ -28,7 +28,9 @@ pub enum FitError {
     #[error("the data do not determine the weights; give more samples or a penalty above nought")]
     Singular,
     /// The weights leave the domain of a controller.
-    #[error("the path takes a weight of {weight:.3e}, and a movement has at most {most:.3e}; lower alpha, or raise overlap")]
+    #[error(
+        "the path takes a weight of {weight:.3e}, and a movement has at most {most:.3e}; lower alpha, or raise overlap"
+    )]
     Domain {
         /// The largest one.
         weight: f64,

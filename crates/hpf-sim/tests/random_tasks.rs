@@ -51,7 +51,9 @@ fn learn(seed: u64) -> Result<(), String> {
     let weights = match simulation.starting_weights(&start) {
         Ok(weights) => weights,
         // Of a spring so stiff that no controller takes the weights of a smooth path: refused before anything is learned.
-        Err(FitError::Domain { weight, .. }) if weight > 1e9 && task.movement.alpha.values().iter().any(|a| *a > 1e4) => {
+        Err(FitError::Domain { weight, .. })
+            if weight > 1e9 && task.movement.alpha.values().iter().any(|a| *a > 1e4) =>
+        {
             return Ok(());
         }
         Err(error) => return Err(error.to_string()),

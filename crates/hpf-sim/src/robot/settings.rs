@@ -362,8 +362,9 @@ impl Settings {
             dead_zone: array::from_fn(|axis| self.readings.dead_zone.of(axis)),
         };
         let tank = self.tank.as_ref();
-        let tank =
-            tank.map(|tank| passivity::EnergyTank::new(tank.capacity, tank.reserve, tank.refill, tank.power)).transpose()?;
+        let tank = tank
+            .map(|tank| passivity::EnergyTank::new(tank.capacity, tank.reserve, tank.refill, tank.power))
+            .transpose()?;
         let port = self.port.as_ref().map(|port| passivity::Port {
             force_delay: port.force_delay,
             force_bias: array::from_fn(|axis| port.force_bias.of(axis)),
