@@ -262,7 +262,7 @@ fn a_damaged_run_directory_is_refused_by_the_name_of_the_damaged_file() {
         (&["recover", "run/log.mcap", "--out", "rescued.mcap", "--force"], &["log.mcap"]),
         (&["run", "run"], &["task.toml", "policy.json"]),
         (&["check", "run"], &["task.toml", "policy.json"]),
-        (&["info", "run"], &["summary.json"]),
+        (&["info", "run"], &["summary.json", "policy.json"]),
         (&["info", "run/log.mcap"], &["log.mcap"]),
         (&["export", "run", "--format", "c", "--out", "-"], &["policy.json"]),
         (&["plot", "run", "--out", "figures", "--force"], &names[..5]),
