@@ -329,9 +329,21 @@ fn the_force_loop_is_certified_with_tool_and_contact_as_declared() {
     assert!(tool["tool_mass_limit"].as_f64().unwrap() < 0.5);
     let filtered = axis(&["--tool-mass", "0.5", "--cutoff", "10"]);
     assert!(limit(&filtered) > 1000.0 && filtered["safe_tool_mass"].as_f64().unwrap() > 0.5, "{filtered:#}");
-    let damped = axis(&["--contact-mass", "0.05", "--contact-damping", "20"]);
-    // The damper of the contact counts.
-    assert!(limit(&damped) != limit(&heavy), "{damped:#}");
+    // A damper in the contact keeps the mass behind its spring from swinging. The damper on the ground costs: it pushes
+    // back by a velocity that is a step late.
+    let damped = ["0", "5", "10", "20"].map(|damping| axis(&["--contact-mass", "0.05", "--contact-damping", damping]));
+    for (axis, damping) in damped.iter().zip([0.0, 5.0, 10.0, 20.0]) {
+        let carried = carried_limit(100.0, damping, 0.05);
+        match axis["contact_limited_by"].as_str() {
+            Some("behind") => {
+                assert!(limit(axis) < carried, "{axis:#}");
+                assert!(!swings(0.97 * limit(axis), damping) && swings(1.03 * limit(axis), damping), "{axis:#}");
+            }
+            _ => assert!((limit(axis) / carried - 1.0).abs() < 3e-3 && !swings(carried, damping), "{axis:#} {carried}"),
+        }
+    }
+    let [still, slightly, more, most] = damped.each_ref().map(limit);
+    assert!(still == limit(&heavy) && still < slightly && slightly < more && most < still, "{damped:#?}");
     let late = axis(&["--lag", "0.005"]);
     assert!(limit(&late) < limit(&bare), "{late:#}");
     let (text, _) = expect(0, folder.path(), &["check", "policy.json", "--tool-mass", "0.5", "--lag", "0.005"]);
@@ -345,6 +357,49 @@ fn the_force_loop_is_certified_with_tool_and_contact_as_declared() {
     assert_eq!((found["delay_s"].as_f64(), found["lag_s"].as_f64()), (Some(0.02), Some(0.03)));
     let found = certificates(folder.path(), &["--delay", "0", "--lag", "0"]);
     assert_eq!((found["delay_s"].as_f64(), found["lag_s"].as_f64()), (Some(0.0), Some(0.0)));
+}
+
+/// The stiffness that a law `d u' = f`, read a step late, stands on the ground, with a damping C and a mass M that move with
+/// the tool: `z^2 (z - 1) d/h + K z + C (z - 1)/h + M (z - 1)^2/(z h^2)` has a root at `exp(i a)`, whose imaginary part says
+/// at which a.
+fn carried_limit(damping: f64, contact_damping: f64, mass: f64) -> f64 {
+    let h = 1e-3;
+    let (c, m) = (contact_damping / h, mass / (h * h));
+    // -z (z - 1) d/h - C (1 - 1/z)/h - M (1 - 1/z)^2/h^2, real and imaginary.
+    let stiffness = |a: f64| {
+        let (one, two) = (a.sin_cos(), (2.0 * a).sin_cos());
+        let real = damping / h * (one.1 - two.1) - c * (1.0 - one.1) - m * (1.0 - 2.0 * one.1 + two.1);
+        (real, damping / h * (one.0 - two.0) - c * one.0 - m * (2.0 * one.0 - two.0))
+    };
+    let angles = || (1..100_000).map(|i| f64::from(i) * core::f64::consts::PI / 1e5);
+    let root = angles().find(|&a| stiffness(a).1 * stiffness(1e-5).1 < 0.0).unwrap();
+    stiffness(root).0
+}
+
+/// Whether a law of 100 N/m and 100 N s/m, read a step late, swings ever more against 50 g behind a spring and a damper: in
+/// time, in steps of a hundredth of the controller's.
+fn swings(stiffness: f64, contact_damping: f64) -> bool {
+    let (h, parts, ticks) = (1e-3, 100, 3000);
+    let part = h / f64::from(parts);
+    let decay = (-h * 100.0 / 100.0_f64).exp();
+    let (mut tool, mut readings) = (0.0, [1.0, 1.0]);
+    let (mut mass, mut velocity) = (0.0_f64, 0.0);
+    let mut largest = [0.0_f64; 3];
+    for tick in 0..ticks {
+        let next = decay * tool + (1.0 - decay) / 100.0 * readings[1];
+        let speed = (next - tool) / h;
+        let force = |at: f64, mass: f64, velocity: f64| stiffness * (at - mass) + contact_damping * (speed - velocity);
+        for i in 0..parts {
+            let at = tool + speed * part * f64::from(i);
+            velocity += part * force(at, mass, velocity) / 0.05;
+            mass += part * velocity;
+        }
+        (readings, tool) = ([-force(next, mass, velocity), readings[0]], next);
+        let third = &mut largest[3 * tick / ticks];
+        // From where the mass is, for it goes as far as it likes.
+        *third = third.max(readings[0].abs());
+    }
+    !(largest[2] < largest[1])
 }
 
 #[test]
@@ -391,7 +446,14 @@ fn contradictions_are_told_beside_mistakes_of_type() {
     let contradiction = "\n[[via_point]]\ntime = 99.0\nposition = [0.1, 0.2]\n[[disturbance]]\nkind = \"step\"\naxis = \"q\"\nforce = \"much\"\n";
     fs::write(folder.path().join("t.toml"), text + contradiction).unwrap();
     let (_, stderr) = expect(2, folder.path(), &["check", "t.toml"]);
-    for words in ["`rate` cannot be a text", "the via point at 99 s lies outside", "a position with 2 numbers"] {
+    for words in [
+        "`rate` cannot be a text",
+        "the via point at 99 s lies outside",
+        "a position with 2 numbers",
+        "unknown key `force`",
+        "disturbance has no `amplitude`",
+        "there is no axis `q`",
+    ] {
         assert!(stderr.contains(words), "{words}: {stderr}");
     }
     assert!(!stderr.contains("steps"), "what hangs on the rate is not told: {stderr}");

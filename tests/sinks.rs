@@ -66,11 +66,13 @@ fn costs_of_any_size_are_learned_and_drawn() {
 fn the_edge_of_what_a_log_can_tell_of_time_is_told() {
     let folder = folder();
     fs::write(folder.path().join("scale.toml"), TASK).unwrap();
-    for (duration, rate, words) in
-        [("5e9", "1e-7", "time stamps in logs end at 2147483647 s"), ("1e-9", "1e12", "logs count time in nanoseconds")]
-    {
-        let keys = [format!("duration={duration}"), format!("rate={rate}")];
-        let keys = ["--set", &keys[0], "--set", &keys[1]];
+    // The longest task is shorter than the stamps reach, with the rest time after it: 2 durations of a slow spring.
+    for (duration, rate, alpha, words) in [
+        ("1e9", "1e-7", "1.0", "time stamps of ROS messages end at 2147483647 s"),
+        ("1e-9", "1e12", "25.0", "logs count time in nanoseconds"),
+    ] {
+        let keys = [format!("duration={duration}"), format!("rate={rate}"), format!("movement.alpha={alpha}")];
+        let keys: Vec<&str> = keys.iter().flat_map(|key| ["--set", key]).collect();
         let (stdout, _) = expect(0, folder.path(), &[&["check", "scale.toml"], &keys[..]].concat());
         assert!(stdout.contains(words), "{stdout}");
         let learn = [&["learn", "scale.toml", "--quiet", "--out", duration], &keys[..]].concat();
@@ -79,4 +81,8 @@ fn the_edge_of_what_a_log_can_tell_of_time_is_told() {
         let (_, stderr) = expect(0, folder.path(), &["export", duration, "--ros2"]);
         assert!(stderr.contains(words), "{stderr}");
     }
+    // The same duration with a quick spring rests before the stamps end.
+    let quick = ["check", "scale.toml", "--set", "duration=1e9", "--set", "rate=1e-7"];
+    let (stdout, _) = expect(0, folder.path(), &quick);
+    assert!(!stdout.contains("warning"), "{stdout}");
 }

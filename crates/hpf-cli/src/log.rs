@@ -243,13 +243,13 @@ fn options() -> WriteOptions {
         .disable_seeking(true)
 }
 
-/// What the user should know of the time in the log of a run of `task`: messages count in nanoseconds, their stamps in
-/// seconds of 32 bits.
+/// What the user should know of the time in the log of a run of `task`: messages count in nanoseconds, the stamps
+/// of ROS in seconds of 32 bits.
 pub fn time_note(task: &Task) -> Option<String> {
-    let (step, end) = (task.rate.recip(), task.duration);
+    let (step, end) = (task.rate.recip(), task.duration + task.rest_time());
     let most = f64::from(i32::MAX);
     if end > most {
-        Some(format!("time stamps in logs end at {most} s: what comes later stands there"))
+        Some(format!("time stamps of ROS messages end at {most} s: what comes later stands there"))
     } else if step < 1e-9 {
         Some(format!("logs count time in nanoseconds and a step takes {step:e} s: several stand at the same time"))
     } else {

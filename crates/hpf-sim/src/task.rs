@@ -523,31 +523,10 @@ fn read_checked<V: DeserializeOwned>(
             }
         }
         Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
-        Err(_) => contradictions(&document, schema, rules, &mut found),
+        Err(_) => repair::contradictions(&document, schema, rules, &mut found),
     }
     found.sort_by_key(|diagnostic| diagnostic.span.start);
     Err(found)
-}
-
-/// Appends the contradictions of a `document` that cannot be read for its other mistakes, those `found`: what does not
-/// hang on any of them.
-fn contradictions<V: DeserializeOwned>(
-    document: &keys::Document<'_>,
-    schema: &serde_json::Value,
-    rules: Rules<'_, V>,
-    found: &mut Vec<Diagnostic>,
-) {
-    let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
-    let of_repaired = |is_second: bool| {
-        let repair = repair::Repair { schemas: keys::Schemas::of(schema), told: &told, is_second };
-        let value = V::deserialize(repair.of(document, schema)).ok()?;
-        let mut all = found.clone();
-        rules(&value, document, &mut all);
-        Some(all.split_off(found.len()))
-    };
-    let (Some(first), Some(second)) = (of_repaired(false), of_repaired(true)) else { return };
-    let is_told = |span: &Range<usize>| told.iter().any(|told| told.start <= span.start && span.end <= told.end);
-    found.extend(first.into_iter().filter(|one| second.contains(one) && !is_told(&one.span)));
 }
 
 /// As [`read_checked`] for other files than tasks; `rules` say a path, what is wrong there, and what helps.

@@ -453,6 +453,58 @@ fn all_mistakes_are_told_in_the_order_of_the_text() {
     }
 }
 
+/// Whatever is wrong with a table, its axis is looked for; what hangs on a stand-in is not told.
+#[test]
+fn a_table_with_a_mistake_is_still_held_against_the_rest() {
+    let told = |table: &str| -> Vec<String> {
+        let text = format!("disturbance = [{table}]\n{}", REACH.replace("[[disturbance]]", "[other]"));
+        let found = mistakes(&text).into_iter().filter(|found| !found.message.contains("other"));
+        found.map(|found| found.message).filter(|message| !message.contains("cost.")).collect()
+    };
+    let no_axis = "there is no axis `q`";
+    let lacks = |key: &str| format!("disturbance has no `{key}`");
+    for (table, mistakes) in [
+        ("{ kind = 'step', axis = 'q', amplitude = 1.0 }", vec![lacks("start"), no_axis.into()]),
+        (
+            "{ kind = 'step', axis = 'q', force = 'much', amplitude = 1.0 }",
+            vec![lacks("start"), no_axis.into(), "unknown key `force`".into()],
+        ),
+        (
+            "{ kind = 'step', axis = 'q', amplitude = 'much', start = 0.1 }",
+            vec![no_axis.into(), "`amplitude` cannot be a text".into()],
+        ),
+        (
+            "{ kind = 'sinus', axis = 'q', period = 'long' }",
+            vec!["unknown kind `sinus`, did you mean `sine`?".into(), no_axis.into()],
+        ),
+        ("{ axis = 'q', amplitude = 1.0 }", vec![lacks("kind"), no_axis.into()]),
+        ("{ knd = 'step', axis = 'q' }", vec!["unknown key `knd`, did you mean `kind`?".into(), no_axis.into()]),
+        ("{ kind = 'step', axis = 3, amplitude = 1.0, start = 0.1 }", vec!["`axis` cannot be a number".into()]),
+        ("{ kind = 'step', amplitude = 1.0, start = 0.1 }", vec![lacks("axis")]),
+        ("{ kind = 'sinus', axis = 3 }", vec!["unknown kind `sinus`, did you mean `sine`?".into()]),
+        (
+            "{ kind = 'sine', axis = 'q', amplitude = 1.0, period = { uniform = [-1.0, 1.0], normal = [1.0, 1.0] } }",
+            vec![no_axis.into(), "period has both `uniform` and `normal`".into()],
+        ),
+        (
+            "{ kind = 'sine', axis = 'q', amplitude = {}, period = 1 }",
+            vec![no_axis.into(), "amplitude is empty".into()],
+        ),
+    ] {
+        assert_eq!(told(table), mistakes, "{table}");
+    }
+    let told = |from: &str, to: &str| -> Vec<String> {
+        let via_point = "\n[[via_point]]\ntime = 99.0\nposition = [0.1]\n";
+        let text = REACH.replacen(from, to, 1).replace("axis = \"x\"", "axis = \"q\"") + via_point;
+        mistakes(&text).into_iter().map(|found| found.message).filter(|message| !message.contains("cost.")).collect()
+    };
+    let outside = "the via point at 99 s lies outside the movement";
+    assert_eq!(told("rate = 100.0", ""), ["the task has no `rate`", no_axis, outside]);
+    assert_eq!(told("initial = 100.0\n", ""), ["stiffness has no `initial`", no_axis, outside]);
+    assert_eq!(told("goal = 0.3 ", ""), ["axis has no `goal`", no_axis, outside]);
+    assert_eq!(told("duration = 1.0", ""), ["the task has no `duration`", no_axis]);
+}
+
 #[test]
 fn what_is_not_toml_is_told_where_it_stops_being_toml() {
     let help = "the file must be valid TOML: lines of `key = value`, `[table]` or `# comment`, texts in quotes";

@@ -4,7 +4,7 @@
 //! every unknown key, wrong type and number out of range, each with its place.
 
 use core::fmt::Write as _;
-use core::ops::Range;
+use core::ops::{Range, RangeInclusive};
 
 use serde_json::Value as Schema;
 use toml::Spanned;
@@ -256,10 +256,9 @@ impl<'s> Walk<'s> {
     }
 
     fn length(&mut self, schema: &Schema, count: usize, span: Range<usize>, key: &str) {
-        let least = schema["minItems"].as_u64().unwrap_or(0) as usize;
-        let most = schema["maxItems"].as_u64().map_or(usize::MAX, |most| most as usize);
-        if !(least..=most).contains(&count) {
-            let help = format!("between {least} and {most} are allowed");
+        let allowed = lengths(schema);
+        if !allowed.contains(&count) {
+            let help = format!("between {} and {} are allowed", allowed.start(), allowed.end());
             self.say(span, format!("`{key}` has {count} entries"), help);
         }
     }
@@ -361,6 +360,12 @@ impl<'s> Walk<'s> {
     }
 }
 
+/// How many entries an array may have.
+pub(super) fn lengths(schema: &Schema) -> RangeInclusive<usize> {
+    let least = schema["minItems"].as_u64().unwrap_or(0) as usize;
+    least..=schema["maxItems"].as_u64().map_or(usize::MAX, |most| most as usize)
+}
+
 pub(super) fn required(schema: &Schema) -> impl Iterator<Item = &str> {
     schema["required"].as_array().into_iter().flatten().filter_map(Schema::as_str)
 }
@@ -381,7 +386,7 @@ pub(super) fn names(schema: &Schema) -> Vec<&str> {
     listed.chain([&schema["const"]]).filter_map(Schema::as_str).collect()
 }
 
-fn has_type(schema: &Schema, value: &DeValue<'_>) -> bool {
+pub(super) fn has_type(schema: &Schema, value: &DeValue<'_>) -> bool {
     let is = |name: &str| match &schema["type"] {
         Schema::Array(names) => names.iter().any(|n| n == name),
         one => one == name,
