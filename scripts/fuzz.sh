@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fuzzes everything that reads files: scripts/fuzz.sh [seconds per target, 60 if not given] [targets, all if not given]
+# Fuzzes everything that reads files, the controller and its C interface: scripts/fuzz.sh [seconds per target, 60 if not given] [targets, all if not given]
 # First the seeds (fuzz/seeds) and what earlier runs found worth keeping (fuzz/corpus) are replayed, then each target
 # runs for its time, as many at once as there are cores. Exits non-zero with the input that broke a target; where
 # cargo-fuzz cannot be installed it says so and exits 0 with nothing fuzzed, in CI
@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../fuzz"
 
 seconds=${1:-60}
 targets=("${@:2}")
-[ ${#targets[@]} -gt 0 ] || targets=(task overrides policy packed tables demonstrations mcap)
+[ ${#targets[@]} -gt 0 ] || targets=(task overrides policy packed tables demonstrations mcap controller border)
 
 if ! cargo fuzz --version >/dev/null 2>&1; then
     cargo install --locked cargo-fuzz || skip "cargo-fuzz cannot be installed" "nothing was fuzzed"

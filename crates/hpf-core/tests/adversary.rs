@@ -38,6 +38,8 @@ impl Dice {
 #[derive(Clone, Copy, Default)]
 struct Owed {
     most: f64,
+    /// How long it has been good since it was bad [s, or steps].
+    good_for: f64,
     /// How long it has surely been lost [s].
     lost_for: f64,
 }
@@ -45,7 +47,10 @@ struct Owed {
 impl Owed {
     fn weigh(&mut self, bad: f64, good: f64, limit: f64, dt: f64) {
         self.most = (self.most + bad - good / 4.0).max(0.0);
-        self.lost_for = if self.most > limit * 1.001 + 1e-9 { self.lost_for + dt } else { 0.0 };
+        self.good_for = if bad > 0.0 { 0.0 } else { self.good_for + good };
+        // Good for as long as its limit, it is lost no more, whatever it still owes.
+        let lost = self.most > limit * 1.001 + 1e-9 && self.good_for < limit * 0.999;
+        self.lost_for = if lost { self.lost_for + dt } else { 0.0 };
     }
 }
 

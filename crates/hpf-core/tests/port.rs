@@ -3,7 +3,7 @@
 
 mod support;
 
-use hpf_core::controller::{Compliance, Controller, Input, Output, Request, Settings};
+use hpf_core::controller::{Compliance, Controller, Input, Mode, Output, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{Damping, Law};
@@ -279,4 +279,22 @@ fn without_a_measured_position_nothing_moves_and_nonsense_is_refused() {
     controller.set(Settings { port: None, ..good }).unwrap();
     controller.set(good).unwrap();
     assert_eq!(controller.update(&input, DT).port_energy, 0.0);
+}
+
+#[test]
+fn what_has_not_started_stays_where_it_is_wherever_the_robot_is() {
+    let port = Port { force_delay: 2, force_bias: [0.5] };
+    // A stop, a force above its trip level, and a start that trips in its own step.
+    for (request, force) in [(Request::Stop, 0.0), (Request::Tare, 1.5 * TRIP), (Request::Start, 1.5 * TRIP)] {
+        let good = settings(Compliance::Compliant, Some(port));
+        let skill = skill::<f64, 1>(Kind { family: Family::Time, law: LAWS[0] }, 2.0);
+        let mut controller = Controller::new(skill, good, [0.1]).unwrap();
+        let mut input = support::input([force]);
+        (input.request, input.measured_position) = (Some(request), Some([0.06]));
+        for _ in 0..500 {
+            let output = controller.update(&input, DT);
+            assert_eq!((output.axes[0].position, output.mode), (0.1, Mode::Stop), "{request:?}");
+            input.request = None;
+        }
+    }
 }

@@ -66,8 +66,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Advances reference, offsets and commands.
     fn walk(&mut self, force: [T; D], rate: T, dt: T) {
         let tank = self.settings.tank.as_ref();
-        // In Idle the command stands where it was put.
-        let walled = self.settings.port.is_some() && self.last.mode != Mode::Idle;
+        // What has not moved stands where it was put, wherever the robot is.
+        let walled = self.settings.port.is_some() && self.moved;
         let gives = self.gives();
         let half = self.pace.half;
         let middle = self.last.phase + self.last.phase * half;
