@@ -18,7 +18,13 @@ const AXES: usize = HPF_AXES_MAX;
 
 /// As many as a basis may have: whatever its count, the lists are there.
 static LISTS: [[f64; HPF_BASES_MAX]; 5] = {
-    let mut lists = [[0.0; HPF_BASES_MAX], [120.0; HPF_BASES_MAX], [40.0; HPF_BASES_MAX], [0.0; HPF_BASES_MAX], [9.0; HPF_BASES_MAX]];
+    let mut lists = [
+        [0.0; HPF_BASES_MAX],
+        [120.0; HPF_BASES_MAX],
+        [40.0; HPF_BASES_MAX],
+        [0.0; HPF_BASES_MAX],
+        [9.0; HPF_BASES_MAX],
+    ];
     let mut i = 0;
     while i < HPF_BASES_MAX {
         lists[0][i] = if i % 2 == 0 { 60.0 } else { -40.0 };
@@ -78,7 +84,12 @@ fn handed<T>(value: &mut T, versioned: bool, input: &mut Unstructured<'_>) -> Re
         1 => (pointer.wrapping_byte_add(1), HPF_MISALIGNED),
         2 if versioned => {
             // SAFETY: size and version come first.
-            unsafe { pointer.cast::<u32>().add(1).write(HPF_ABI_VERSION.wrapping_add(u32::from(u8::arbitrary(input)? % 9) + 1)) };
+            unsafe {
+                pointer
+                    .cast::<u32>()
+                    .add(1)
+                    .write(HPF_ABI_VERSION.wrapping_add(u32::from(u8::arbitrary(input)? % 9) + 1))
+            };
             (pointer, HPF_WRONG_VERSION)
         }
         3 if versioned => {
@@ -145,7 +156,8 @@ impl Memory {
 
 /// An error says what the call returned, in words that end.
 fn explained(error: &Error, status: i32) {
-    let text = CStr::from_bytes_until_nul(&bytes(error)[core::mem::offset_of!(Error, text)..]).expect("a text that ends");
+    let text =
+        CStr::from_bytes_until_nul(&bytes(error)[core::mem::offset_of!(Error, text)..]).expect("a text that ends");
     assert_eq!((error.status, text.is_empty()), (status, status == HPF_OK), "{text:?}");
 }
 
@@ -167,13 +179,22 @@ impl Twins {
         for ((axis, last), AxisSettings { limits, .. }) in parts {
             let all = [axis.position, axis.velocity, axis.stiffness, axis.damping, axis.offset, axis.force];
             assert!(all.iter().all(|value| value.is_finite()) && axis.hits < 2 * HPF_HIT_POSITION, "{axis:?}");
-            assert!(axis.position >= limits.position_min && axis.position <= limits.position_max, "{axis:?} {limits:?}");
-            assert!(axis.offset.abs() <= limits.offset && axis.velocity.abs() <= limits.velocity, "{axis:?} {limits:?}");
+            assert!(
+                axis.position >= limits.position_min && axis.position <= limits.position_max,
+                "{axis:?} {limits:?}"
+            );
+            assert!(
+                axis.offset.abs() <= limits.offset && axis.velocity.abs() <= limits.velocity,
+                "{axis:?} {limits:?}"
+            );
             assert!(axis.force.abs() <= limits.force, "{axis:?} {limits:?}");
             // No step is longer than a second; a reset is the one jump.
             let moved = (axis.position - last.position).abs();
             let farthest = limits.velocity * self.settings.longest_step;
-            assert!(reset || moved <= farthest * (1.0 + 1e-9) + 1e-14 * (1.0 + axis.position.abs()), "{last:?} {axis:?}");
+            assert!(
+                reset || moved <= farthest * (1.0 + 1e-9) + 1e-14 * (1.0 + axis.position.abs()),
+                "{last:?} {axis:?}"
+            );
         }
         // What is beyond the axes is nobody's.
         assert!(now.axis[self.axes..].iter().all(|axis| bytes(axis).iter().all(|&byte| byte == 0)), "{now:?}");
@@ -195,7 +216,8 @@ impl Twins {
         let repeats = if one_in(input, 4)? { 4 * u16::from(u8::arbitrary(input)?) } else { 1 };
         for repeat in 0..repeats {
             let mut output: Output<f64> = prepared();
-            let (mut read, mut written, mut flaws): (*mut _, *mut _, _) = (&raw mut given, &raw mut output, [HPF_OK; 2]);
+            let (mut read, mut written, mut flaws): (*mut _, *mut _, _) =
+                (&raw mut given, &raw mut output, [HPF_OK; 2]);
             if repeat == 0 {
                 (read, flaws[0]) = handed(&mut given, true, input)?;
                 (written, flaws[1]) = handed(&mut output, true, input)?;
@@ -262,7 +284,9 @@ impl Twins {
                 let (written, flaw) = handed(&mut bias, false, input)?;
                 assert_eq!(unsafe { hpf_f64_bias(arm, written.cast()) }, flaw);
                 let read = if flaw == HPF_OK { self.axes } else { 0 };
-                assert!(bias[..read].iter().all(|bias| bias.is_finite()) && bias[read..].iter().all(|&bias| bias == 7.0));
+                assert!(
+                    bias[..read].iter().all(|bias| bias.is_finite()) && bias[read..].iter().all(|&bias| bias == 7.0)
+                );
             }
             2 => {
                 // Another scalar's, nobody's, null, and moved: no controller.
@@ -294,7 +318,8 @@ impl Twins {
 fn play(input: &mut Unstructured<'_>) -> Result<()> {
     let mut policy = policy(input)?;
     let axes = policy.axes as usize;
-    let limits = Limits { force: 50.0, offset: 0.2, velocity: 1.0, acceleration: 20.0, position_min: -0.5, position_max: 0.5 };
+    let limits =
+        Limits { force: 50.0, offset: 0.2, velocity: 1.0, acceleration: 20.0, position_min: -0.5, position_max: 0.5 };
     let mut settings: Settings<f64> = prepared();
     assert_eq!(unsafe { hpf_f64_compliant(&mut settings, AXES as u32, [limits; AXES].as_ptr()) }, HPF_OK);
     (settings.tank_capacity, settings.tank_refill, settings.tank_power) = (number(input, 0.0, 1.0)?, 0.9, 50.0);
@@ -314,19 +339,22 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
         assert_eq!(needed, usize::MAX);
         let mut memory = Memory::new(16384);
         let (place, position) = (memory.at(), position.as_ptr());
-        let status = unsafe { hpf_f64_create(instance, place, 16384, &policy, &settings, position, &mut arm, &mut error) };
+        let status =
+            unsafe { hpf_f64_create(instance, place, 16384, &policy, &settings, position, &mut arm, &mut error) };
         assert!(arm.is_null());
         assert_eq!(status, sized);
         explained(&error, status);
         return Ok(());
     }
     let of_basis = |basis: &BasisPolicy<f64>| basis.count as usize;
-    let numbers = [&policy.movement_basis, &policy.stiffness_basis, &policy.damping_basis].map(of_basis).iter().sum::<usize>();
+    let numbers =
+        [&policy.movement_basis, &policy.stiffness_basis, &policy.damping_basis].map(of_basis).iter().sum::<usize>();
     assert!(needed <= HPF_F64_BYTES_BASE + axes * HPF_F64_BYTES_PER_AXIS + numbers * (2 + axes) * 8);
     let mut small = Memory::new(needed - 8);
     let place = small.at();
-    let status =
-        unsafe { hpf_f64_create(instance, place, needed - 8, &policy, &settings, position.as_ptr(), &mut arm, null_mut()) };
+    let status = unsafe {
+        hpf_f64_create(instance, place, needed - 8, &policy, &settings, position.as_ptr(), &mut arm, null_mut())
+    };
     assert_eq!((status, arm.is_null()), (HPF_TOO_SMALL, true));
 
     let mut memories = [Memory::new(needed), Memory::new(needed)];

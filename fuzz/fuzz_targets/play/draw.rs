@@ -49,7 +49,8 @@ impl Taste {
 
 /// A number of any bits, or one that breaks things elsewhere.
 pub fn worst<T: Scalar>(input: &mut Unstructured<'_>) -> Result<T> {
-    let named = [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX, f64::MIN, 5e-324, 1e-42, -0.0, -1.0, 1e9, -1e9, 1e-9];
+    let named =
+        [f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX, f64::MIN, 5e-324, 1e-42, -0.0, -1.0, 1e9, -1e9, 1e-9];
     Ok(match usize::from(u8::arbitrary(input)? % 16) {
         choice if choice < named.len() => T::of(named[choice]),
         _ => T::of_bits(u64::arbitrary(input)?),
@@ -137,7 +138,8 @@ fn law<T: Scalar>(input: &mut Unstructured<'_>, taste: Taste) -> Result<Law<T>> 
 
 /// Settings, in order or not.
 pub fn settings<T: Scalar, const D: usize>(input: &mut Unstructured<'_>, taste: Taste) -> Result<Settings<T, D>> {
-    let plain = Limits { force: T::ONE, offset: T::ONE, velocity: T::ONE, acceleration: T::ONE, position: [T::ZERO; 2] };
+    let plain =
+        Limits { force: T::ONE, offset: T::ONE, velocity: T::ONE, acceleration: T::ONE, position: [T::ZERO; 2] };
     let mut settings = Settings::compliant([plain; D]);
     for axis in &mut settings.axes {
         let limits = Limits {

@@ -14,7 +14,8 @@ pub fn in_domain<T: Scalar, const D: usize>(settings: &Settings<T, D>) {
     };
     for axis in &settings.axes {
         let limits = &axis.limits;
-        for size in [limits.force, limits.offset, limits.velocity, limits.acceleration, axis.trip_force, axis.tracking] {
+        for size in [limits.force, limits.offset, limits.velocity, limits.acceleration, axis.trip_force, axis.tracking]
+        {
             bounded(size, 1e-9, 1e9);
         }
         let [min, max] = limits.position;
@@ -157,7 +158,10 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         if !accepted {
             assert_eq!((now, counters.refused), (&self.last, self.counters.refused.saturating_add(1)));
         }
-        assert_eq!((now.axes, now.mode, now.phase, now.rate), (self.last.axes, self.last.mode, self.last.phase, self.last.rate));
+        assert_eq!(
+            (now.axes, now.mode, now.phase, now.rate),
+            (self.last.axes, self.last.mode, self.last.phase, self.last.rate)
+        );
         // What was owed is measured against other limits: look again from here.
         self.owed.iter_mut().for_each(|owed| owed.lost_for = 0.0);
         if settings.tank.is_none() {
@@ -192,7 +196,10 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
     /// Requests are done or refused by the table of modes, the workspace, and whether the force has stood still.
     fn requests(&mut self, input: &Input<T, D>, settings: &Settings<T, D>, now: &Output<T, D>) -> Mode {
         let inside = |place: &[T; D]| {
-            place.iter().zip(&settings.axes).all(|(&at, axis)| at >= axis.limits.position[0] && at <= axis.limits.position[1])
+            place
+                .iter()
+                .zip(&settings.axes)
+                .all(|(&at, axis)| at >= axis.limits.position[0] && at <= axis.limits.position[1])
         };
         let mode = self.last.mode;
         let request = name(&input.request);
@@ -202,7 +209,11 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
                 let ready = self.last.status.tare_ready;
                 assert!(!ready || mode == Mode::Idle);
                 // A step of no time has no flag, and has not forgotten.
-                if !ready && self.last.status.bad_time && !now.status.refused { Some(mode) } else { ready.then_some(mode) }
+                if !ready && self.last.status.bad_time && !now.status.refused {
+                    Some(mode)
+                } else {
+                    ready.then_some(mode)
+                }
             }
             Some(Request::Goal(place) | Request::Reset(place)) => requested(mode, request).filter(|_| inside(place)),
             Some(_) => requested(mode, request),
@@ -264,7 +275,8 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         let bad_time = !wide.is_finite() || wide < T::of(1e-6).to_f64();
         let h = if bad_time { 0.0 } else { wide.min(longest) };
         assert_eq!((status.bad_time, status.long_time), (bad_time, !bad_time && wide > longest), "{dt:?}");
-        let force = input.force_age > timing.oldest_force || input.measured_force.iter().any(|force| !force.is_finite());
+        let force =
+            input.force_age > timing.oldest_force || input.measured_force.iter().any(|force| !force.is_finite());
         let position = input.measured_position.is_some_and(|all| all.iter().any(|at| !at.is_finite()));
         let rate = !input.rate.is_finite();
         assert_eq!((status.bad_force, status.bad_input), (force, position || rate), "{input:?}");
@@ -309,7 +321,10 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         assert!(rate <= last_rate + change, "{rate} after {last_rate}");
         let asked = input.rate.to_f64();
         let asked = if now.mode == Mode::Run && asked.is_finite() { asked.clamp(0.0, 1.0) } else { 0.0 };
-        assert!(h == 0.0 && rate == 0.0 || rate <= asked.max(last_rate - h / settings.timing.ramp.to_f64() * (1.0 - 1e-5)) + 1e-6);
+        assert!(
+            h == 0.0 && rate == 0.0
+                || rate <= asked.max(last_rate - h / settings.timing.ramp.to_f64() * (1.0 - 1e-5)) + 1e-6
+        );
         assert!(!(now.status.ended && self.ended), "ended twice");
         self.ended |= now.status.ended;
     }
@@ -328,7 +343,10 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
             let limits = &settings.limits;
             let [min, max] = limits.position;
             assert!(axis.position >= min && axis.position <= max, "{axis:?} {limits:?}");
-            assert!(axis.offset.abs() <= limits.offset && axis.velocity.abs() <= limits.velocity, "{axis:?} {limits:?}");
+            assert!(
+                axis.offset.abs() <= limits.offset && axis.velocity.abs() <= limits.velocity,
+                "{axis:?} {limits:?}"
+            );
             assert!(axis.force.abs() <= limits.force, "{axis:?} {limits:?}");
             assert!(settings.compliance != Compliance::Rigid || axis.force == T::ZERO, "{axis:?}");
             let moved = axis.position.to_f64() - last.position.to_f64();
@@ -352,16 +370,23 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
 
             let rounding = 8.0 * T::EPSILON * self.scale;
             let [speed, before] = [axis.velocity, last.velocity].map(Real::to_f64);
-            assert!((moved - speed * h).abs() <= rounding + 8.0 * T::EPSILON * speed.abs() * h, "{moved} {axis:?} {last:?} {h}");
+            assert!(
+                (moved - speed * h).abs() <= rounding + 8.0 * T::EPSILON * speed.abs() * h,
+                "{moved} {axis:?} {last:?} {h}"
+            );
             let most = limits.acceleration.to_f64() * h;
             assert!(
-                (speed - before).abs() <= most * (1.0 + 8.0 * T::EPSILON) + 2.0 * T::EPSILON * (speed.abs() + before.abs()),
+                (speed - before).abs()
+                    <= most * (1.0 + 8.0 * T::EPSILON) + 2.0 * T::EPSILON * (speed.abs() + before.abs()),
                 "{before} to {speed}, {most} at most"
             );
             // What has not started does not move, and a fault that is at rest stays, but for a port, which takes it back
             // to the robot.
             let resting = !self.started
-                || !ported && [now.mode, self.last.mode] == [Mode::Fault; 2] && self.last.rate == T::ZERO && last.velocity == T::ZERO;
+                || !ported
+                    && [now.mode, self.last.mode] == [Mode::Fault; 2]
+                    && self.last.rate == T::ZERO
+                    && last.velocity == T::ZERO;
             assert!(!resting || moved.abs() <= rounding, "{moved} {now:?}");
         }
     }
@@ -379,7 +404,8 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
             let mass = if let Law::SecondOrder { mass, .. } = limits.law { mass.to_f64() } else { 0.0 };
             let reach = offset.abs().max(last.offset.to_f64().abs());
             let speed = if h > 0.0 { (moved.abs() + 2.0 * reach) / h } else { 0.0 };
-            largest += primitives.stiffness.max().to_f64() * reach * reach + mass * speed * speed + force.abs() * self.scale;
+            largest +=
+                primitives.stiffness.max().to_f64() * reach * reach + mass * speed * speed + force.abs() * self.scale;
             self.cut |= axis.hits.any_motion();
         }
         self.doubt += 16.0 * T::EPSILON * largest;
