@@ -122,6 +122,20 @@ fn policy(input: &mut Unstructured<'_>) -> Result<Policy<f64>> {
         (axis.start, axis.goal, axis.alpha, axis.forcing_scale) = (0.0, number(input, -0.3, 0.3)?, 25.0, 0.3);
         (axis.stiffness_min, axis.stiffness_max) = (number(input, 10.0, 100.0)?, 400.0);
         (axis.damping_min, axis.damping_max) = (10.0, 100.0);
+        // Either order, damping from either source, and now and then numbers that make no law.
+        match u8::arbitrary(input)? % 8 {
+            0..=2 => {}
+            3 | 4 => axis.mass = number(input, 0.1, 10.0)?,
+            5 | 6 => {
+                axis.mass = number(input, 0.1, 10.0)?;
+                (axis.damping_ratio, axis.damping_floor) = (number(input, 0.2, 2.0)?, number(input, 1.0, 20.0)?);
+            }
+            _ => {
+                for value in [&mut axis.mass, &mut axis.damping_ratio, &mut axis.damping_floor] {
+                    *value = if bool::arbitrary(input)? { number(input, -1.0, 1.0)? } else { 0.0 };
+                }
+            }
+        }
         let [movement, stiffness, damping, ..] = &LISTS;
         for (slot, list) in [
             (&mut axis.movement_weights, movement),

@@ -1,10 +1,11 @@
 //! A controller for as long as the input lasts: a skill, settings, requests, forces, positions, rates and times out of it,
 //! any bits among them. Whatever comes in, it keeps what the documentation promises (`play/promises.rs`), and the same
-//! again gives the same bits.
+//! again gives the same bits. Two kinds of input keep to what a port asks of robot and environment (`play/port.rs`).
 #![no_main]
 
 mod play {
     pub mod draw;
+    pub mod port;
     pub mod promises;
 }
 
@@ -12,7 +13,7 @@ use hpf_core::controller::{Controller, Input, Request};
 use libfuzzer_sys::arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use play::draw::{N, Scalar, Taste, each, number, settings, skill, worst};
-use play::promises::{Witness, in_domain};
+use play::promises::{Witness, in_domain, lawful};
 
 /// Updates of one input, at most.
 const UPDATES: u32 = 20_000;
@@ -47,6 +48,7 @@ fn play<T: Scalar, const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
     let place = each(input, taste, -0.3, 0.3)?;
     let Ok(mut arm) = Controller::<T, [T; N], D>::new(skill, settings(input, taste)?, place) else { return Ok(()) };
     in_domain(arm.settings());
+    lawful(skill.axes());
     let mut witness = Witness::new(arm.output(), arm.settings(), skill.axes());
     let mut updates = 0;
     while !input.is_empty() && updates < UPDATES {
@@ -100,12 +102,14 @@ fn play<T: Scalar, const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
 fuzz_target!(|bytes: &[u8]| {
     let Some((&kind, rest)) = bytes.split_first() else { return };
     let input = &mut Unstructured::new(rest);
-    let _ = match kind % 6 {
+    let _ = match kind % 8 {
         0 => play::<f32, 1>(input),
         1 => play::<f32, 2>(input),
         2 => play::<f32, 7>(input),
         3 => play::<f64, 1>(input),
         4 => play::<f64, 2>(input),
-        _ => play::<f64, 3>(input),
+        5 => play::<f64, 3>(input),
+        6 => play::port::play::<1>(input),
+        _ => play::port::play::<2>(input),
     };
 });

@@ -19,7 +19,7 @@
 //! comes first: a limit of acceleration is an inertia that the law does not have, and may make the tool give more. The
 //! books show it, so that `sum f dx >= -(E_t0 - E_t)` holds in any case; E_t goes below the reserve, even below zero,
 //! and until it is back stiffness does not rise and neither the path nor a set-point takes energy. A rigid axis has no
-//! force in the books. A tank that is added later starts empty. Mass given to a moving offset is paid for, or refused.
+//! force in the books. A tank that is added later starts empty.
 //!
 //! Where a limit cuts a first-order axis of every compliance, its offset comes back by `d e' + k e = 0`.
 
@@ -233,9 +233,9 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 for (state, law) in self.axes.iter_mut().zip(laws) {
                     state.law = law;
                 }
-                // What a smaller tank cannot hold is gone.
+                // What a smaller tank cannot hold is gone; without a tank there are no books, and no debt.
                 let most = settings.tank.map_or(T::ZERO, |tank| tank.capacity());
-                self.last.energy = self.last.energy.at_most(most);
+                self.last.energy = settings.tank.map_or(T::ZERO, |_| self.last.energy.at_most(most));
                 // A port that is added later starts empty, like a tank.
                 if self.settings.port.is_none() {
                     self.open_port();

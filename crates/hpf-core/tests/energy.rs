@@ -292,3 +292,30 @@ fn limits_of_motion_come_first_and_the_books_say_what_they_cost() {
     println!("{hits} steps were cut; the most that cuts have cost is {overdrawn:.3} J");
     assert!(hits > 100_000, "{hits}");
 }
+
+#[test]
+fn a_debt_goes_with_its_tank() {
+    let limits = Limits { force: 50.0, offset: 0.1, velocity: 0.5, acceleration: 10.0, position: [-0.2, 0.4] };
+    let mut indebted = 0;
+    for law in LAWS {
+        for force in TAKERS {
+            let mut tight = settings::<1>(Compliance::Compliant, tank(0.01, 0.0, 0.9));
+            tight.axes[0].limits = limits;
+            let mut books = Books::new(skill(law), tight, 1e-2);
+            for i in 0..2000 {
+                let last = *books.controller.output();
+                if books.step([force(i, 20.0, &last)]).energy < 0.0 {
+                    indebted += 1;
+                    break;
+                }
+            }
+            books.controller.set(Settings { tank: None, ..tight }).unwrap();
+            assert_eq!(books.controller.output().energy, 0.0);
+            assert_eq!(books.step([5.0]).energy, 0.0);
+            // A tank that is added later starts empty.
+            books.controller.set(tight).unwrap();
+            assert_eq!(books.controller.output().energy, 0.0);
+        }
+    }
+    assert!(indebted > 2, "{indebted}");
+}

@@ -1,10 +1,10 @@
 //! Numbers, skills and settings out of bytes: plain ones, those from the whole domain, and those that nobody means.
 
 use hpf_core::conditioning::ForceConditioning;
-use hpf_core::controller::{AxisSettings, Compliance, Damping, Law, Settings, Timing};
+use hpf_core::controller::{AxisSettings, Compliance, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::{EnergyTank, Port};
-use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Movement, Phase, Real};
+use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 use libfuzzer_sys::arbitrary::{Arbitrary, Result, Unstructured};
 
 /// Functions of a basis.
@@ -113,15 +113,16 @@ pub fn skill<T: Scalar, const D: usize>(
             each(input, taste, -100.0, 100.0)?,
         );
         let (stiffness, damping) = (gain(input, taste, 10.0, 1000.0)?, gain(input, taste, 5.0, 200.0)?);
-        *axis = movement.ok().zip(stiffness).zip(damping);
+        let law = law(input, taste)?;
+        *axis = movement.ok().zip(stiffness).zip(damping).zip(Some(law));
     }
     let (Ok(basis), Ok(phase)) = (basis, phase) else { return Ok(None) };
     if axes.iter().any(Option::is_none) {
         return Ok(None);
     }
     let axes = axes.map(|axis| {
-        let Some(((movement, stiffness), damping)) = axis else { unreachable!() };
-        AxisPrimitives { movement, stiffness, damping }
+        let Some((((movement, stiffness), damping), law)) = axis else { unreachable!() };
+        AxisPrimitives { movement, stiffness, damping, law }
     });
     Ok(HybridPrimitive::new(phase, [basis; 3], axes).ok())
 }
@@ -154,9 +155,8 @@ pub fn settings<T: Scalar, const D: usize>(input: &mut Unstructured<'_>, taste: 
             1 => Compliance::Press(number(input, taste, -20.0, 20.0)?),
             _ => Compliance::Compliant,
         };
-        let law = law(input, taste)?;
         let (trip_force, tracking) = (number(input, taste, 60.0, 150.0)?, number(input, taste, 0.02, 0.2)?);
-        *axis = AxisSettings { compliance, law, limits, trip_force, tracking };
+        *axis = AxisSettings { compliance, limits, trip_force, tracking };
     }
     let flags = u8::arbitrary(input)?;
     settings.conditioning = ForceConditioning {

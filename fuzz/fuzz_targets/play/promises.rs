@@ -1,17 +1,30 @@
 //! What a controller promises, worked out from what went in and what came out, never from its own books.
 
-use hpf_core::controller::{Compliance, Counters, Damping, Input, Law, Mode, Output, Request, Settings};
-use hpf_core::{AxisPrimitives, Real};
+use hpf_core::controller::{Compliance, Counters, Input, Mode, Output, Request, Settings};
+use hpf_core::{AxisPrimitives, Damping, Law, Real};
 
 use super::draw::{N, Scalar};
 
+/// Within the bounds as the scalar rounds them.
+fn bounded<T: Scalar>(value: T, lo: f64, hi: f64) {
+    let [value, lo, hi] = [value, T::of(lo), T::of(hi)].map(Real::to_f64);
+    assert!(value >= lo && value <= hi, "{value:e} is not in [{lo:e}, {hi:e}]");
+}
+
+/// A skill's laws are numbers in order; an accepted skill keeps them.
+pub fn lawful<T: Scalar, const D: usize>(axes: &[AxisPrimitives<T, [T; N]>; D]) {
+    for axis in axes {
+        let Law::SecondOrder { mass, damping } = axis.law else { continue };
+        bounded(mass, 1e-9, 1e9);
+        if let Damping::Ratio { ratio, floor } = damping {
+            bounded(ratio, 1e-9, 1e9);
+            bounded(floor, 1e-9, 1e9);
+        }
+    }
+}
+
 /// A settings' numbers that must be in order, with their bounds; accepted settings keep them.
 pub fn in_domain<T: Scalar, const D: usize>(settings: &Settings<T, D>) {
-    let bounded = |value: T, lo: f64, hi: f64| {
-        // The bounds as the scalar rounds them.
-        let [value, lo, hi] = [value, T::of(lo), T::of(hi)].map(Real::to_f64);
-        assert!(value >= lo && value <= hi, "{value:e} is not in [{lo:e}, {hi:e}]: {settings:?}");
-    };
     for axis in &settings.axes {
         let limits = &axis.limits;
         for size in [limits.force, limits.offset, limits.velocity, limits.acceleration, axis.trip_force, axis.tracking]
@@ -24,13 +37,6 @@ pub fn in_domain<T: Scalar, const D: usize>(settings: &Settings<T, D>) {
         assert!(min < max, "{settings:?}");
         if let Compliance::Press(force) = axis.compliance {
             bounded(force.abs(), 0.0, limits.force.to_f64());
-        }
-        if let Law::SecondOrder { mass, damping } = axis.law {
-            bounded(mass, 1e-9, 1e9);
-            if let Damping::Ratio { ratio, floor } = damping {
-                bounded(ratio, 1e-9, 1e9);
-                bounded(floor, 1e-9, 1e9);
-            }
         }
     }
     bounded(settings.timing.longest_step, 1e-6, 1.0);
@@ -222,7 +228,8 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         match (&input.request, next) {
             (Some(Request::Reset(place)), Some(_)) => {
                 for (axis, &position) in self.last.axes.iter_mut().zip(place) {
-                    (axis.position, axis.velocity, axis.offset) = (position, T::ZERO, T::ZERO);
+                    (axis.position, axis.velocity) = (position, T::ZERO);
+                    (axis.offset, axis.force) = (T::ZERO, T::ZERO);
                 }
                 (self.last.phase, self.last.rate) = (T::ONE, T::ZERO);
                 self.put(settings);
@@ -318,7 +325,8 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         assert!((0.0..=1.0).contains(&phase) && phase <= last_phase && (0.0..=1.0).contains(&rate), "{now:?}");
         // The ramp is a step where it is shorter than one.
         let change = h / settings.timing.ramp.to_f64() * (1.0 + 1e-5) + 1e-6;
-        assert!(rate <= last_rate + change, "{rate} after {last_rate}");
+        // A start takes none.
+        assert!(last_phase == 1.0 || rate <= last_rate + change, "{rate} after {last_rate}");
         let asked = input.rate.to_f64();
         let asked = if now.mode == Mode::Run && asked.is_finite() { asked.clamp(0.0, 1.0) } else { 0.0 };
         assert!(
@@ -347,19 +355,21 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
                 axis.offset.abs() <= limits.offset && axis.velocity.abs() <= limits.velocity,
                 "{axis:?} {limits:?}"
             );
-            assert!(axis.force.abs() <= limits.force, "{axis:?} {limits:?}");
-            assert!(settings.compliance != Compliance::Rigid || axis.force == T::ZERO, "{axis:?}");
             let moved = axis.position.to_f64() - last.position.to_f64();
             if h == 0.0 {
-                assert_eq!((moved, axis.velocity), (0.0, T::ZERO), "{axis:?} {last:?}");
+                // It shows the force of the step before, whatever the settings are by now.
+                let found = (moved, axis.velocity, axis.offset, axis.force);
+                assert_eq!(found, (0.0, T::ZERO, last.offset, last.force), "{axis:?} {last:?}");
                 continue;
             }
+            assert!(axis.force.abs() <= limits.force, "{axis:?} {limits:?}");
+            assert!(settings.compliance != Compliance::Rigid || axis.force == T::ZERO, "{axis:?}");
             let k = &primitives.stiffness;
             let slack = 1.0 + 16.0 * T::EPSILON;
             let [stiffness, least, most] = [axis.stiffness, k.min(), k.max()].map(Real::to_f64);
             assert!(stiffness >= least / slack && stiffness <= most * slack, "{stiffness} of {least} to {most}");
             let damping = axis.damping.to_f64();
-            let [least, most] = match settings.law {
+            let [least, most] = match primitives.law {
                 Law::SecondOrder { mass, damping: Damping::Ratio { ratio, floor } } => {
                     let follows = 2.0 * ratio.to_f64() * (mass.to_f64() * stiffness).sqrt();
                     [follows.max(floor.to_f64()); 2]
@@ -398,10 +408,10 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         assert!(energy.is_finite() && energy <= capacity && (settings.tank.is_some() || energy == 0.0), "{now:?}");
         assert!(port.is_finite() && port <= capacity && (settings.port.is_some() || port == 0.0), "{now:?}");
         let mut largest = capacity;
-        for (((axis, last), limits), primitives) in now.axes.iter().zip(&self.last.axes).zip(&settings.axes).zip(axes) {
+        for ((axis, last), primitives) in now.axes.iter().zip(&self.last.axes).zip(axes) {
             let [force, offset, moved] = [axis.force, axis.offset, axis.position - last.position].map(Real::to_f64);
             self.work += force * (axis.position.to_f64() - last.position.to_f64());
-            let mass = if let Law::SecondOrder { mass, .. } = limits.law { mass.to_f64() } else { 0.0 };
+            let mass = if let Law::SecondOrder { mass, .. } = primitives.law { mass.to_f64() } else { 0.0 };
             let reach = offset.abs().max(last.offset.to_f64().abs());
             let speed = if h > 0.0 { (moved.abs() + 2.0 * reach) / h } else { 0.0 };
             largest +=

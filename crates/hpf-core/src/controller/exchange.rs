@@ -81,7 +81,7 @@ pub struct AxisOutput<T> {
 pub struct Status {
     /// The movement has ended: set once.
     pub ended: bool,
-    /// dt was not finite or below 1 us: the command stands still, its velocity is 0.
+    /// dt was not finite or below 1 us: the command stands still, at velocity 0, and shows the last force.
     pub bad_time: bool,
     /// dt was longer than allowed and was cut.
     pub long_time: bool,
