@@ -67,8 +67,9 @@ fn tied<const D: usize>(input: &mut Unstructured<'_>) -> Result<Option<Settings<
             axis.tracking = 1e3;
         }
     }
-    let capacity = number(input, Taste::Plain, 0.05, 2.0)?;
-    let reserve = capacity * number(input, Taste::Plain, 0.0, 1.0)?;
+    let capacity: f64 = number(input, Taste::Plain, 0.05, 2.0)?;
+    let share: f64 = number(input, Taste::Plain, 0.0, 1.0)?;
+    let reserve = share * capacity;
     settings.tank = EnergyTank::new(capacity, reserve, number(input, Taste::Plain, 0.0, 1.0)?, 100.0).ok();
     let force_delay = u32::from(u8::arbitrary(input)?) % (LATEST as u32 + 1);
     settings.port = Some(Port { force_delay, force_bias: each(input, Taste::Plain, 0.0, 2.0)? });
@@ -98,8 +99,8 @@ pub fn play<const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
     let weight = first.conditioning.gravity.map(|gravity| first.conditioning.tool_mass * gravity);
 
     // The youngest true force first; where the robot was a step ago; the work since the reset [J].
-    let mut forces = [[0.0; D]; LATEST + 1];
-    let (mut before, mut work, mut passed) = (at, 0.0, 0.0);
+    let mut forces = [[0.0_f64; D]; LATEST + 1];
+    let (mut before, mut work, mut passed) = (at, 0.0_f64, 0.0_f64);
     let mut updates = 0;
     while !input.is_empty() && updates < UPDATES {
         if u8::arbitrary(input)? % 16 == 0 {
@@ -117,18 +118,18 @@ pub fn play<const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
         // The part of its way that the robot goes in a step, what the readings are off by, where within a step it moves.
         let follows: [f64; D] = each(input, Taste::Plain, 0.0, 1.0)?;
         let off: [f64; D] = each(input, Taste::Plain, -1.0, 1.0)?;
-        let late = number(input, Taste::Plain, 0.0, 1.0)?;
+        let late: f64 = number(input, Taste::Plain, 0.0, 1.0)?;
         let dt = number(input, Taste::Plain, 5e-4, 2e-3)?;
         let rate = number(input, Taste::Plain, 0.0, 1.0)?;
         let mut asked = request(input, at)?;
         let repeats = 1 + u32::from(u8::arbitrary(input)?);
         for _ in 0..repeats {
-            let mut force = [0.0; D];
+            let mut force = [0.0_f64; D];
             for (i, (force, push)) in force.iter_mut().zip(&pushes).enumerate() {
                 let (command, most) = (&arm.output().axes[i], first.axes[i].trip_force);
                 *force = push.force(updates, at[i], command.position - at[i], command.velocity).clamp(-most, most);
                 // Over the last step the force was between that of its start and that of its end.
-                let done = (forces[0][i] + late * (*force - forces[0][i])) * (at[i] - before[i]);
+                let done: f64 = (forces[0][i] + late * (*force - forces[0][i])) * (at[i] - before[i]);
                 (work, passed) = (work + done, passed + done.abs());
             }
             forces.rotate_right(1);
