@@ -213,7 +213,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         &self.counters
     }
 
-    /// Replaces all settings between two steps. The command goes on from where it is, at the velocity it has.
+    /// Replaces all settings between two steps. The command goes on from where it is, at the velocity it has; before a tare
+    /// the force has to stand still anew.
     ///
     /// # Errors
     /// [`ConfigError`] for settings that make no sense, or that the present command, offset or goal would break; they

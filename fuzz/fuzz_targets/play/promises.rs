@@ -79,6 +79,8 @@ impl Owed {
 /// What is known from outside of a controller's past.
 pub struct Witness<T, const D: usize> {
     last: Output<T, D>,
+    /// Whether a tare may be asked for.
+    ready: bool,
     counters: Counters,
     /// Since the last reset: whether it has run, whether an input was bad, whether it has ended.
     started: bool,
@@ -129,6 +131,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         assert_eq!((first.mode, first.rate.to_f64(), first.phase.to_f64()), (Mode::Idle, 0.0, 1.0));
         let mut witness = Self {
             last: *first,
+            ready: false,
             counters: Counters::default(),
             started: false,
             spoiled: false,
@@ -168,6 +171,8 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
             (now.axes, now.mode, now.phase, now.rate),
             (self.last.axes, self.last.mode, self.last.phase, self.last.rate)
         );
+        // By other settings the force has to stand still anew.
+        self.ready &= !accepted;
         // What was owed is measured against other limits: look again from here.
         self.owed.iter_mut().for_each(|owed| owed.lost_for = 0.0);
         if settings.tank.is_none() {
@@ -196,7 +201,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         self.motion(settings, axes, h, now);
         self.energy(settings, axes, h, now);
         self.count(asked, now, counters);
-        self.last = *now;
+        (self.last, self.ready) = (*now, now.status.tare_ready);
     }
 
     /// Requests are done or refused by the table of modes, the workspace, and whether the force has stood still.
@@ -212,7 +217,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         let next = match &input.request {
             None => Some(mode),
             Some(Request::Tare) => {
-                let ready = self.last.status.tare_ready;
+                let ready = self.ready;
                 assert!(!ready || mode == Mode::Idle);
                 // A step of no time has no flag, and has not forgotten.
                 if !ready && self.last.status.bad_time && !now.status.refused {
