@@ -179,8 +179,8 @@ fn damping(study: &Study) -> Claim {
         value(numbers[1].worst(), "N s/m")
     );
     let holds = numbers[1].spread.smallest > numbers[0].spread.largest;
-    let because = "nothing in this cost pays for late damping: the force fades by itself, stiffness holds the goal, and every \
-                   N s/m costs; the paper's rise rests on weights that it does not print";
+    let because = "where this search stands, stiffness holds the goal and brings the tool to rest, and every N s/m costs; at \
+                   the optimum, which learning from signals reaches (docs/learning.md), damping does, and rises late";
     Claim { place: "Task 1, Figure 6", says: "damping rises late", ours, holds: Some(holds), because, numbers }
 }
 
