@@ -327,3 +327,32 @@ fn the_table_in_the_docs_is_that_of_the_code() {
     assert!(code.len() > 4);
     assert_eq!(code, rows(include_str!("../../../docs/embedding.md")));
 }
+
+#[test]
+fn an_input_that_is_good_again_is_no_fault_for_shorter_limits_either() {
+    for source in [Source::Force, Source::StaleForce, Source::Position] {
+        for mode in [Mode::Run, Mode::Hold] {
+            let mut patient = settings::<f64, 2>();
+            (patient.timing.hold, patient.timing.ramp) = (0.5, 1.0);
+            let mut arm = Arm::started(Family::Time, patient, 20.0);
+            arm.run(0.5);
+            if mode == Mode::Hold {
+                arm.ask(Request::Hold);
+            }
+            // Bad for less than its limit; then good for far longer than the limits that come.
+            for _ in 0..400 {
+                tick(&mut arm, &[source]);
+            }
+            for _ in 0..300 {
+                tick(&mut arm, &[]);
+            }
+            let mut strict = patient;
+            (strict.timing.hold, strict.timing.ramp) = (0.02, 0.01);
+            arm.controller.set(strict).unwrap();
+            for _ in 0..2000 {
+                let output = tick(&mut arm, &[]);
+                assert_eq!((output.mode, output.status.lost()), (mode, false), "{source:?}");
+            }
+        }
+    }
+}

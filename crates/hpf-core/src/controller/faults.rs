@@ -63,9 +63,9 @@ impl<T: Real + PartialOrd> Debt<T> {
         self.owed.is_none_or(|owed| owed > limit && self.good_for <= limit)
     }
 
-    /// More than `limit` is owed, by `ramp` and more: it comes and goes too often.
+    /// It is lost, and more than `limit` is owed by `ramp` and more: it comes and goes too often.
     pub fn hopeless(self, limit: T, ramp: T) -> bool {
-        self.owed.is_some_and(|owed| owed > limit + ramp)
+        self.lost(limit) && self.owed.is_some_and(|owed| owed > limit + ramp)
     }
 
     /// A good step that pays back its part of `whole`; `still`: nothing moves.
