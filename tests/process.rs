@@ -381,7 +381,8 @@ fn a_start_that_fails_its_motion_is_learned_from_where_a_motion_near_it_does_not
     }
     let program = worker(folder.path(), "say(type='done', id=id, error='no power')");
     let (_, stderr) = learn(2, folder.path(), &["python3", &program], "run", &COSTS);
-    assert!(stderr.contains("neither has any of 50 tried near it"), "{stderr}");
+    assert!(stderr.contains("neither has any of 50 tried near it") && !stderr.contains("--resume"), "{stderr}");
+    assert!(!folder.path().join("run.partial").exists(), "there is nothing to go on from");
 }
 
 #[test]

@@ -124,7 +124,10 @@ fn the_controller_does_what_was_simulated_and_says_what_it_did() {
     let [robot, plain] = ["robot", "plain"].map(|run| Columns::read(folder.path().join(run).join("trajectory.csv")));
     assert!(largest_difference(&robot.column("x_position_m"), &plain.column("x_position_m"), 1) < 1e-9);
     let table = read(folder.path().join("robot/controller.csv"));
-    assert!(table.starts_with("time_s,mode,rate,energy_j,events,x_limits\n"), "{table}");
+    assert!(
+        table.starts_with("time_s,mode,rate,energy_j,port_energy_j,events,x_limits,x_command_m,x_model_force_n\n"),
+        "{table}"
+    );
     // The last row that says so is that of the end of the movement: the step that ends at 1 s.
     let ended = table.lines().find(|line| line.contains("ended")).unwrap();
     assert!(ended.starts_with("1.0,run,1.0,"), "{ended}");
@@ -148,6 +151,48 @@ fn settings_of_the_controller_are_kept_and_their_mistakes_shown() {
     assert!(stderr.contains("settings.toml:2") && stderr.contains("did you mean `velocity`"), "{stderr}");
     let (_, stderr) = expect(2, folder.path(), &["run", "runs/reach", "--settings", "settings.toml"]);
     assert!(stderr.contains("--controller"), "{stderr}");
+    let refused = [
+        ("[tank]\ncapacity = 0.1\nreserve = 0.2\n", "settings.toml:3:11", "must lie between 0 and 0.1"),
+        ("[timing]\nramp = 20\n", "settings.toml:2:8", "from 0 to 10"),
+        ("[limits]\nvelocity = 0\n", "settings.toml:2:12", "`velocity` is out of range: 0"),
+        ("[port]\nforce_bias = 1\n", "settings.toml", "add [tank]"),
+        // What only the controller can know: the goal lies outside.
+        ("[limits]\nposition_max = 0.1\n", "settings.toml", "the controller refuses: goal must lie in"),
+    ];
+    for (settings, place, words) in refused {
+        std::fs::write(folder.path().join("settings.toml"), settings).unwrap();
+        let (_, stderr) =
+            expect(2, folder.path(), &["run", "runs/reach", "--controller", "--settings", "settings.toml"]);
+        assert!(stderr.contains(place) && stderr.contains(words), "{settings}: {stderr}");
+    }
+}
+
+#[test]
+fn the_promises_of_limits_and_tank_can_be_checked_from_the_tables() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    let settings = "[limits]\nforce = 1.5\n[tank]\ncapacity = 0.02\nreserve = 0.005\nrefill = 0.9\n\
+        [[request]]\nkind = \"stop\"\ntime = 99.0\n";
+    std::fs::write(folder.path().join("settings.toml"), settings).unwrap();
+    let args = ["run", "runs/reach", "--controller", "--settings", "settings.toml", "--rate", "1000", "--out", "robot"];
+    let output = crate::support::hpf(folder.path(), &args);
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    assert!(stdout.contains("requests       1 never made"), "{stdout}");
+    // Some of its columns are words.
+    let table = read(folder.path().join("robot/controller.csv"));
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| -> Vec<f64> {
+        let place = rows[0].iter().position(|column| *column == name).unwrap();
+        rows[1..].iter().map(|row| row[place].parse().unwrap()).collect()
+    };
+    let [command, force, energy] = ["x_command_m", "x_model_force_n", "energy_j"].map(column);
+    assert!(force.iter().all(|force| force.abs() <= 1.5) && force.contains(&-1.5), "{force:?}");
+    let mut sum = 0.0;
+    // It starts at rest at 0.
+    for i in 0..command.len() {
+        sum += force[i] * (command[i] - if i == 0 { 0.0 } else { command[i - 1] });
+        assert!(sum >= -(0.02 - energy[i]) - 1e-12 && sum >= -0.015 - 1e-12, "row {i}: {sum} J");
+    }
 }
 
 #[test]

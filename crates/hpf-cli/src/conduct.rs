@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use hpf_core::controller::{Mode, Status};
 use hpf_core::limits::Hits;
 use hpf_sim::robot::{Conduct, Settings, Tally};
-use hpf_sim::task::Task;
+use hpf_sim::task::{Axis, Task, Unit};
 use serde_json::{Value, json};
 
 use crate::render::number;
@@ -66,14 +66,20 @@ fn cut(hits: &Hits) -> String {
 impl Controlled {
     /// The text of `controller.csv`: one row per step, at its end.
     pub fn csv(&self, task: &Task, time: &[f64]) -> String {
-        let axes: Vec<String> = task.axis.iter().map(|axis| format!("{}_limits", axis.name)).collect();
-        let mut text = format!("time_s,mode,rate,energy_j,events,{}\n", axes.join(","));
+        let columns = |axis: &Axis| {
+            let (name, unit) = (&axis.name, if axis.unit == Unit::M { "m" } else { "rad" });
+            format!("{name}_limits,{name}_command_{unit},{name}_model_force_n")
+        };
+        let columns: Vec<String> = task.axis.iter().map(columns).collect();
+        let mut text = format!("time_s,mode,rate,energy_j,port_energy_j,events,{}\n", columns.join(","));
         let conduct = &self.conduct;
         for (i, time) in time.iter().skip(1).enumerate() {
-            let hits: Vec<String> = conduct.hits[i].iter().map(cut).collect();
-            let (rate, energy, events) = (conduct.rate[i], conduct.energy[i], flags(&conduct.status[i]));
-            let _ =
-                writeln!(text, "{time:?},{},{rate:?},{energy:?},{events},{}", mode(conduct.mode[i]), hits.join(","));
+            let axes = conduct.hits[i].iter().zip(&conduct.command[i]).zip(&conduct.force[i]);
+            let axes: Vec<String> =
+                axes.map(|((hits, command), force)| format!("{},{command:?},{force:?}", cut(hits))).collect();
+            let (mode, rate, events) = (mode(conduct.mode[i]), conduct.rate[i], flags(&conduct.status[i]));
+            let (energy, port) = (conduct.energy[i], conduct.port_energy[i]);
+            let _ = writeln!(text, "{time:?},{mode},{rate:?},{energy:?},{port:?},{events},{}", axes.join(","));
         }
         text
     }
@@ -124,17 +130,23 @@ impl Controlled {
         }
         let [force, input, time] = tally.bad;
         let counts = [
-            ("bad forces", force),
-            ("bad inputs", input),
-            ("bad times", time),
-            ("requests refused", tally.refused),
-            ("trips", tally.trips),
-            ("faults", tally.faults),
+            ("bad force", "bad forces", force),
+            ("bad input", "bad inputs", input),
+            ("bad time", "bad times", time),
+            ("request refused", "requests refused", tally.refused),
+            ("step above a trip level", "steps above a trip level", tally.trips),
+            ("fault", "faults", tally.faults),
         ];
-        let counts: Vec<String> =
-            counts.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!("{count} {name}")).collect();
+        let counts: Vec<String> = counts
+            .iter()
+            .filter(|(.., count)| *count > 0)
+            .map(|(one, more, count)| format!("{count} {}", if *count == 1 { one } else { more }))
+            .collect();
         let _ =
             writeln!(text, "  faults         {}", if counts.is_empty() { "none".into() } else { counts.join(", ") });
+        if tally.unasked > 0 {
+            let _ = writeln!(text, "  requests       {} never made: the motion ends before", tally.unasked);
+        }
         text
     }
 
@@ -153,7 +165,7 @@ impl Controlled {
             "energy_short_steps": tally.short,
             "least_energy_j": self.settings.tank.as_ref().map(|_| tally.least_energy),
             "bad_forces": force, "bad_inputs": input, "bad_times": time,
-            "requests_refused": tally.refused, "trips": tally.trips, "faults": tally.faults,
+            "requests_refused": tally.refused, "requests_never_made": tally.unasked, "trips": tally.trips, "faults": tally.faults,
         })
     }
 }

@@ -146,6 +146,11 @@ impl Unfinished {
         self.is_resumable = true;
     }
 
+    /// From now on a failure leaves nothing: to go on would come to the same end.
+    pub fn forget(&mut self) {
+        self.is_resumable = false;
+    }
+
     /// Where the file `name` is while the directory is filled.
     pub fn path(&self, name: &str) -> PathBuf {
         self.partial.join(name)

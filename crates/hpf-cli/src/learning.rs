@@ -153,7 +153,12 @@ fn learn_in<P: Problem>(
                 broken = Some((reason.to_string(), *history));
                 break;
             }
-            Err(refused) => return Err(bad_task(task, &refused)),
+            Err(refused) => {
+                if !driver.session().history().best.total.is_finite() {
+                    folder.forget();
+                }
+                return Err(bad_task(task, &refused));
+            }
         };
         if let Some(progress) = &told.progress {
             meter.show(progress);

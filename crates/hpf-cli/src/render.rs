@@ -160,11 +160,23 @@ pub fn least_rate(task: &Task) -> String {
     match task.least_rate() {
         Some(rate) => format!(
             "one that measures the contact's force holds it from {} Hz on, at the least damping",
-            // What rounding has added makes no other ten.
-            number((rate * (1.0 - 1e-6) / 10.0).ceil() * 10.0)
+            number(rounded_up(rate))
         ),
         None => "none that measures the contact's force holds it at the least damping, at any rate".into(),
     }
+}
+
+/// `rate` [Hz] in three digits that are enough; what its search has added makes no other.
+fn rounded_up(rate: f64) -> f64 {
+    let digit = 10.0_f64.powf(rate.log10().floor() - 2.0);
+    (rate * (1.0 - 1e-6) / digit).ceil() * digit
+}
+
+/// The most motions of learning `task`.
+pub fn planned_motions(task: &Task) -> usize {
+    let learning = &task.learning;
+    let motions = task.draws() * (1 + learning.updates * (learning.rollouts + 1));
+    learning.max_rollouts.map_or(motions, |max| max.min(motions))
 }
 
 /// What a task comes to.
@@ -198,8 +210,7 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
         let _ = writeln!(text, "  via point   {:?} {when}", via.position);
     }
     let learning = &task.learning;
-    let motions = 1 + learning.updates * (learning.rollouts + 1);
-    let planned = learning.max_rollouts.map_or(motions, |max| max.min(motions));
+    let planned = planned_motions(task);
     let _ = writeln!(
         text,
         "  learning    {parameters} parameters, {} updates of {} rollouts, at most {planned} motions",

@@ -99,7 +99,8 @@ impl Policy {
             if fits { Ok(()) } else { Err(ConfigError::OutOfRange { field, value, min, max }) }
         };
         within("rate", rate, f64::MIN_POSITIVE, 1e6)?;
-        within("delay", delay, 0.0, 10.0)?;
+        // A step of a slow loop may be longer than any sensor is late.
+        within("delay", delay, 0.0, rate.recip().max(10.0))?;
         within("load", load, 0.0, 1e9)?;
         cutoff.map_or(Ok(()), |cutoff| within("cutoff", cutoff, f64::MIN_POSITIVE, 1e9))?;
         within("lag", lag, 0.0, 1e3)?;

@@ -47,6 +47,7 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
         let object = json!({
             "format": "hpf-check", "version": 1, "kind": "task", "valid": true,
             "steps": simulation.step_count(), "parameters": start.len(), "initial_cost": cost,
+            "most_motions": render::planned_motions(&loaded.task), "least_rate_hz": loaded.task.least_rate(),
             "memory_bytes": loaded.task.memory(rayon::current_num_threads()), "warnings": warnings,
         });
         say(&format!("{object:#}\n"))?;

@@ -35,9 +35,10 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     let (trajectory, (cost, metrics), controlled) = match settings(options, &loaded.task)? {
         None => (simulation.rollout(&parameters), simulation.evaluate(&parameters), None),
         Some((settings, text)) => {
-            let (shown, conduct) = simulation.controlled(&policy, &settings).map_err(in_file(&policy_path))?;
-            let evaluated = simulation.evaluate_controlled(&policy, &settings);
-            let (cost, metrics, tally) = evaluated.map_err(in_file(&policy_path))?;
+            // The policy has made a skill: what the controller refuses now are its settings.
+            let of = options.settings.as_ref().unwrap_or(&policy_path);
+            let (shown, conduct) = simulation.controlled(&policy, &settings).map_err(in_file(of))?;
+            let (cost, metrics, tally) = simulation.evaluate_controlled(&policy, &settings).map_err(in_file(of))?;
             (shown, (cost, metrics), Some(Controlled { settings, text, conduct, tally }))
         }
     };

@@ -8,8 +8,8 @@ const RESOLUTION: f64 = 1e-9;
 const PADDING: f64 = 0.06;
 
 /// Beyond this, and below its reciprocal, differences and ratios of axes would leave the numbers there are: values are
-/// drawn as this, or as 0.
-const LARGEST: f64 = 1e303;
+/// drawn as this, by the logarithm as its reciprocal, or as 0.
+const LARGEST: f64 = 1e307;
 
 /// Smallest and largest of the finite values.
 pub fn span(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
@@ -90,7 +90,8 @@ impl Axis {
     pub fn logarithmic(quantity: impl Into<String>, unit: impl Into<String>, (low, high): (f64, f64)) -> Self {
         let low = low.clamp(LARGEST.recip(), LARGEST);
         // Equal ends have room on both sides.
-        let range = if high > 1.01 * low { (low, high.min(10.0 * LARGEST)) } else { (low / 1.5, low * 1.5) };
+        let high = high.clamp(LARGEST.recip(), LARGEST);
+        let range = if high > 1.01 * low { (low, high) } else { (low / 1.5, low * 1.5) };
         Self::linear(quantity, unit, range).with_scale(Scale::Logarithmic)
     }
 
@@ -121,13 +122,14 @@ impl Axis {
 
     /// Where `value` lies along the axis: 0 at its near end, 1 at its far one.
     pub fn share(&self, value: f64) -> f64 {
+        let value = value.clamp(-LARGEST, LARGEST);
         let linear = |low: f64, value: f64, high: f64| (value - low) / (high - low);
         match self.scale {
             Scale::Linear | Scale::Counted | Scale::Named => linear(self.low, value, self.high),
             Scale::Reversed => 1.0 - linear(self.low, value, self.high),
             // Nought and less lie endlessly far below: a line to them leaves the box downwards.
             Scale::Logarithmic if value <= 0.0 => -100.0,
-            Scale::Logarithmic => linear(self.low.log10(), value.log10(), self.high.log10()),
+            Scale::Logarithmic => linear(self.low.log10(), value.max(LARGEST.recip()).log10(), self.high.log10()),
         }
     }
 
@@ -282,7 +284,7 @@ mod tests {
 
     #[test]
     fn any_values_make_a_range_with_ticks() {
-        let cases: [&[f64]; 9] = [
+        let cases: [&[f64]; 12] = [
             &[],
             &[0.0],
             &[3.0, 3.0],
@@ -291,6 +293,9 @@ mod tests {
             &[1000.0, 1000.0 + 1e-12],
             &[-1e300, 1e300],
             &[1e-300, 2e-300],
+            &[-1e308, 1e308],
+            &[1.000_06e308, 1.000_15e308],
+            &[1e-310, 2e-310],
             &[99.9999, 100.0001],
         ];
         for values in cases {
@@ -299,6 +304,20 @@ mod tests {
             let ticks = Axis::linear("", "", (low, high)).ticks(6.0);
             assert!((2..=8).contains(&ticks.len()), "{values:?}: {ticks:?}");
             assert!(ticks.windows(2).all(|pair| pair[0].label != pair[1].label), "{values:?}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn costs_of_any_size_lie_in_the_box() {
+        for power in (-323..=308).step_by(3).chain([306, 307, 308]) {
+            let size: f64 = format!("1e{power}").parse().unwrap();
+            for values in [[size, 1.5 * size], [-size, size], [-1.5 * size, -size], [size, size]] {
+                let values = values.map(|value| value.clamp(f64::MIN, f64::MAX));
+                let axis = Axis::of_cost(values.iter().copied(), values.iter().copied());
+                assert!(axis.low.is_finite() && axis.high.is_finite() && axis.low < axis.high, "{values:?}: {axis:?}");
+                assert!(values.iter().all(|value| (0.0..=1.0).contains(&axis.share(*value))), "{values:?}: {axis:?}");
+                assert!(!axis.ticks(6.0).is_empty(), "{values:?}: {axis:?}");
+            }
         }
     }
 

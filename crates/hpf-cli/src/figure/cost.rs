@@ -85,7 +85,7 @@ fn is_weighed(task: &Task, term: Term) -> bool {
     match term {
         Term::Goal => any(&cost.goal),
         Term::EndVelocity => any(&cost.end_velocity),
-        Term::ViaPoint => any(&cost.via_point),
+        Term::ViaPoint => any(&cost.via_point) || cost.via_distance > 0.0,
         Term::Tracking => cost.tracking > 0.0,
         Term::ContactForce => cost.contact_force > 0.0,
         Term::Acceleration => any(&cost.acceleration),

@@ -131,6 +131,12 @@ pub fn position(run: &Run) -> Figure {
         if !via.is_empty() {
             layers.push(Layer::marks(Mark::Dot, via, Pen::thin(GREEN)).labelled("via point"));
         }
+        // To be passed at any time.
+        for via in task.via_point.iter().filter(|via| via.time.is_none()) {
+            let (ends, place) = ([0.0, task.duration], [via.position[i]; 2]);
+            let pen = Pen::dashed(GREEN);
+            layers.push(Layer::signal(&ends, &place, length.factor, pen).labelled("via point, at any time"));
+        }
         let goal = vec![(task.duration, length.factor * axis.goal)];
         layers.push(Layer::marks(Mark::Dot, goal, Pen::thin(VERMILLION)).labelled("goal"));
         Panel {

@@ -12,10 +12,18 @@ pub struct Conduct {
     pub rate: Vec<f64>,
     /// Energy in the tank after each step [J]; zero without one.
     pub energy: Vec<f64>,
+    /// Energy at the port after each step [J]; zero without one.
+    pub port_energy: Vec<f64>,
     /// What has happened in each step.
     pub status: Vec<Status>,
     /// Limits that have cut the command of each axis, by step, then by axis.
     pub hits: Vec<Vec<Hits>>,
+    /// Command [axis unit] of each axis after each step, by step, then by axis.
+    pub command: Vec<Vec<f64>>,
+    /// Force [N] on each axis as the model saw it in each step, within its limit, by step, then by axis.
+    pub force: Vec<Vec<f64>>,
+    /// Requests whose time never came.
+    pub unasked: usize,
     /// What was counted.
     pub counters: Counters,
 }
@@ -41,6 +49,8 @@ pub struct Tally {
     pub least_energy: f64,
     /// Requests refused.
     pub refused: u64,
+    /// Requests of a motion whose time never came, the most of any.
+    pub unasked: usize,
     /// Steps with a bad force, a bad input, and a time that was bad or too long.
     pub bad: [u64; 3],
     /// Forces above their trip level and robots that did not follow.
@@ -65,6 +75,7 @@ impl Tally {
         self.short += other.short;
         self.least_energy = if first { other.least_energy } else { self.least_energy.min(other.least_energy) };
         self.refused += other.refused;
+        self.unasked = self.unasked.max(other.unasked);
         self.bad.iter_mut().zip(other.bad).for_each(|(sum, bad)| *sum += bad);
         self.trips += other.trips;
         self.faults += other.faults;
@@ -77,8 +88,11 @@ impl Conduct {
         self.mode.push(output.mode);
         self.rate.push(output.rate);
         self.energy.push(output.energy);
+        self.port_energy.push(output.port_energy);
         self.status.push(output.status);
         self.hits.push(output.axes.iter().map(|axis| axis.hits).collect());
+        self.command.push(output.axes.iter().map(|axis| axis.position).collect());
+        self.force.push(output.axes.iter().map(|axis| axis.force).collect());
     }
 
     /// In numbers.
@@ -101,6 +115,7 @@ impl Conduct {
             short: self.status.iter().filter(|status| status.energy_short).count(),
             least_energy: self.energy.iter().copied().reduce(f64::min).unwrap_or(0.0),
             refused: counters.refused.into(),
+            unasked: self.unasked,
             bad: [
                 counters.bad_force.into(),
                 counters.bad_input.into(),

@@ -5,6 +5,7 @@ use core::array;
 use hpf_core::ConfigError;
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{self as control, AxisSettings, Compliance};
+use hpf_core::domain::{LARGEST, SMALLEST};
 use hpf_core::limits;
 use hpf_core::passivity;
 use schemars::JsonSchema;
@@ -168,10 +169,10 @@ impl Default for Port {
 #[schemars(deny_unknown_fields)]
 pub struct Timing {
     /// Time for the rate to go from 0 to 1 or back under way [s].
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0, max = 10))]
     pub ramp: f64,
     /// How long the last good force may stand in for a bad one [s].
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0, max = 1))]
     pub hold: f64,
     /// Oldest reading that is still good [steps].
     pub oldest_force: u32,
@@ -283,9 +284,34 @@ impl Settings {
 
     /// Lists of a wrong length.
     fn check(&self, axes: usize, say: &mut dyn FnMut(&str, String, String)) {
+        if let Some(Tank { capacity, reserve, .. }) = self.tank.as_ref().filter(|tank| tank.reserve > tank.capacity) {
+            let message = format!("`reserve` is above `capacity`: {reserve} J of {capacity} J");
+            say("tank.reserve", message, format!("`reserve` must lie between 0 and {capacity}"));
+        }
+        if self.port.is_some() && self.tank.is_none() {
+            say("port", "a port without a tank".into(), "the port keeps the tank's energy: add [tank]".into());
+        }
+        for (path, key, numbers) in [
+            ("limits.force", "force", &self.limits.force),
+            ("limits.offset", "offset", &self.limits.offset),
+            ("limits.velocity", "velocity", &self.limits.velocity),
+            ("limits.acceleration", "acceleration", &self.limits.acceleration),
+            ("trips.force", "force", &self.trips.force),
+            ("trips.tracking", "tracking", &self.trips.tracking),
+        ] {
+            let outside = |number: &&f64| !(SMALLEST..=LARGEST).contains(*number);
+            if let Some(number) = numbers.as_ref().and_then(|numbers| numbers.values().iter().find(outside)) {
+                let help = format!("`{key}` must lie between {SMALLEST:e} and {LARGEST:e}");
+                say(path, format!("`{key}` is out of range: {number}"), help);
+            }
+        }
         let mut length = |path: &str, count: Option<usize>| {
             if let Some(count) = count.filter(|count| *count != axes) {
-                say(path, format!("{count} entries for {axes} axes"), "one value for all axes, or one for each".into());
+                say(
+                    path,
+                    format!("{count} entries for {axes} ax{}s", if axes == 1 { "i" } else { "e" }),
+                    "one value for all axes, or one for each".into(),
+                );
             }
         };
         length(

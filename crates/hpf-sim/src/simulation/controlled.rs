@@ -109,6 +109,7 @@ impl Simulation {
             conduct.take(&output);
             self.record(i + 1, &output, &plants, trace);
         }
+        conduct.unasked = requests.waiting.len();
         conduct.counters = *controller.counters();
         Ok(conduct)
     }
