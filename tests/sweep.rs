@@ -118,7 +118,7 @@ fn a_failed_run_is_reported_and_the_others_go_on() {
         "--seeds",
         "2",
         "--vary",
-        "learning.noise.movement=20,1e300",
+        "cost.acceleration=1e-3,1e308",
         "--set",
         "accept={}",
         "--set",
@@ -126,7 +126,7 @@ fn a_failed_run_is_reported_and_the_others_go_on() {
     ];
     let (stdout, stderr) = expect(1, folder.path(), &arguments);
     assert!(stdout.contains("2 of 4 runs finished, 2 failed"), "{stdout}");
-    assert!(stderr.contains("learning.noise.movement=1e300/seed-1") && stderr.contains("finite cost"), "{stderr}");
+    assert!(stderr.contains("cost.acceleration=1e308/seed-1") && stderr.contains("finite cost"), "{stderr}");
     let (header, rows) = header_and_rows(folder.path().join("runs/reach-sweep/results.csv"));
     assert_eq!(rows.iter().map(|row| row[3].as_str()).collect::<Vec<_>>(), ["done", "done", "failed", "failed"]);
     assert!(rows[2].last().unwrap().contains("finite cost") && rows[2].len() == header.len());
