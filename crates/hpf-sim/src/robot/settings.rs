@@ -284,7 +284,9 @@ impl Settings {
 
     /// Lists of a wrong length.
     fn check(&self, axes: usize, say: &mut dyn FnMut(&str, String, String)) {
-        if let Some(Tank { capacity, reserve, .. }) = self.tank.as_ref().filter(|tank| tank.reserve > tank.capacity) {
+        if let Some(Tank { capacity, reserve, .. }) =
+            self.tank.as_ref().filter(|tank| tank.reserve > tank.capacity.max(0.0))
+        {
             let message = format!("`reserve` is above `capacity`: {reserve} J of {capacity} J");
             say("tank.reserve", message, format!("`reserve` must lie between 0 and {capacity}"));
         }
