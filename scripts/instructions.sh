@@ -45,7 +45,7 @@ f32 time 6 3760
 f64 phase 2 3020
 f64 time 2 1760
 f64 phase 6 6060
-f64 time 6 4790
+f64 time 6 4840
 BOUNDS
 
 if grep -q avx2 /proc/cpuinfo; then
@@ -57,7 +57,7 @@ if grep -q avx2 /proc/cpuinfo; then
         check "$task $part" $(((more - few) / 2 / steps)) "$bound"
     done <<'BOUNDS'
 cantilever rollouts 500 1840
-cantilever update 500 740
+cantilever update 500 790
 via_point rollouts 500 3040
 via_point update 500 1250
 BOUNDS
