@@ -110,7 +110,7 @@ def check_topics(summary, samples):
 
 
 def check_messages(path, duration, axes):
-    """Decodes every message; holds times to the duration, and the last messages to each other."""
+    """Decodes every message; holds times to the duration, rest time included, and the last messages to each other."""
     times, last, time_line = {}, {}, []
     with path.open("rb") as file:
         factories = [ProtobufDecoders(), Ros2Decoders()]
@@ -232,7 +232,7 @@ def check_log(path):
         samples = len(path.with_name("trajectory.csv").read_text().splitlines()) - 1
         check(samples > duration * rate + 1.5, "the motion ends with the movement")
         check_topics(summary, samples)
-    check_messages(path, duration, [axis["name"] for axis in policy["axes"]])
+    check_messages(path, (samples - 1) / rate, [axis["name"] for axis in policy["axes"]])
     check_with_rerun(path)
 
 
