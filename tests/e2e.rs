@@ -2,6 +2,7 @@
 
 mod acceptance;
 mod benchmark;
+mod certificates;
 mod check;
 mod continuous;
 mod directory;

@@ -246,7 +246,7 @@
 #define HPF_BAD_FORCE 8
 
 /*
- Flag of an output: that for longer than may be bridged; offsets are frozen, the path comes to rest.
+ Flag of an output: a force has been bad for longer than its limit; offsets are frozen, the path stops.
  */
 #define HPF_FORCE_LOST 16
 
@@ -277,17 +277,17 @@
 #define HPF_ENERGY_SHORT 512
 
 /*
- Flag of an output: a measured position has been bad for longer than may be bridged; the path comes to rest.
+ Flag of an output: a measured position has been bad for longer than its limit; the path stops.
  */
 #define HPF_POSITION_LOST 1024
 
 /*
- Flag of an output: the rate has been bad for longer than may be bridged; the path comes to rest.
+ Flag of an output: the rate has been bad for longer than its limit; the path stops.
  */
 #define HPF_RATE_LOST 2048
 
 /*
- Flag of an output: dt has been bad or long for more steps than may be bridged; the path comes to rest.
+ Flag of an output: dt has been bad or long for more steps than its limit; the path stops.
  */
 #define HPF_TIME_LOST 4096
 

@@ -66,7 +66,7 @@ pub const HPF_BAD_TIME: u32 = 2;
 pub const HPF_LONG_TIME: u32 = 4;
 /// Flag of an output: the force of an axis was not finite, or all of it too old; the last good one stands in.
 pub const HPF_BAD_FORCE: u32 = 8;
-/// Flag of an output: that for longer than may be bridged; offsets are frozen, the path comes to rest.
+/// Flag of an output: a force has been bad for longer than its limit; offsets are frozen, the path stops.
 pub const HPF_FORCE_LOST: u32 = 16;
 /// Flag of an output: rate or measured position was not finite and was not used.
 pub const HPF_BAD_INPUT: u32 = 32;
@@ -79,11 +79,11 @@ pub const HPF_TRACKING_TRIPPED: u32 = 256;
 /// Flag of an output: the tank has held back stiffness, motion along the path or a force set-point, or the port a
 /// motion.
 pub const HPF_ENERGY_SHORT: u32 = 512;
-/// Flag of an output: a measured position has been bad for longer than may be bridged; the path comes to rest.
+/// Flag of an output: a measured position has been bad for longer than its limit; the path stops.
 pub const HPF_POSITION_LOST: u32 = 1024;
-/// Flag of an output: the rate has been bad for longer than may be bridged; the path comes to rest.
+/// Flag of an output: the rate has been bad for longer than its limit; the path stops.
 pub const HPF_RATE_LOST: u32 = 2048;
-/// Flag of an output: dt has been bad or long for more steps than may be bridged; the path comes to rest.
+/// Flag of an output: dt has been bad or long for more steps than its limit; the path stops.
 pub const HPF_TIME_LOST: u32 = 4096;
 /// Flag of an output, in Idle: the force has stood still long enough for HPF_TARE.
 pub const HPF_TARE_READY: u32 = 8192;

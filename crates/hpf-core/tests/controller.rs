@@ -42,6 +42,7 @@ macro_rules! promises {
             const KIND: Kind = Kind { family: Family::$family, law: $law };
 
             include!("controller/promises.rs");
+            include!("controller/faults.rs");
         }
     };
 }

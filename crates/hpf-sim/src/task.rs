@@ -8,18 +8,19 @@ mod basis;
 mod keys;
 mod learning;
 mod process;
+mod reading;
 mod repair;
 mod rules;
 mod sizes;
 
 use core::ops::Range;
-use std::collections::HashSet;
 
 use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::{Actuator, Contact, Disturbance, Sensor};
+
+pub(crate) use reading::read;
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
 pub(crate) use keys::nearest;
@@ -417,7 +418,7 @@ impl Task {
             let help = "a task needs at least name, duration, rate, one [[axis]], [stiffness] and [damping]";
             return Err(vec![Diagnostic { span: 0..0, message: "the file is empty".into(), help: help.into() }]);
         }
-        read_checked(text, &Self::schema(), "the task", &rules::check)
+        reading::read_checked(text, &Self::schema(), "the task", &rules::check)
     }
 
     /// The JSON schema of the task file.
@@ -496,47 +497,4 @@ impl Task {
     pub fn axis_index(&self, name: &str) -> Option<usize> {
         self.axis.iter().position(|axis| axis.name == name)
     }
-}
-
-/// What contradicts itself in a value that was read from a document: appended to what was found.
-type Rules<'r, V> = &'r dyn Fn(&V, &keys::Document<'_>, &mut Vec<Diagnostic>);
-
-/// Reads a file of what `schema` describes, called `whole` in messages; `rules` append what contradicts itself.
-fn read_checked<V: DeserializeOwned>(
-    text: &str,
-    schema: &serde_json::Value,
-    whole: &str,
-    rules: Rules<'_, V>,
-) -> Result<V, Vec<Diagnostic>> {
-    let document = keys::Document::parse(text)?;
-    let mut found = document.check_against(schema, whole);
-    match toml::from_str::<V>(text) {
-        Ok(value) => {
-            // A number that is wrong by itself need not be wrong with others too.
-            let told: HashSet<_> = found.iter().map(|diagnostic| diagnostic.span.clone()).collect();
-            let before = found.len();
-            rules(&value, &document, &mut found);
-            let more = found.split_off(before);
-            found.extend(more.into_iter().filter(|diagnostic| !told.contains(&diagnostic.span)));
-            if found.is_empty() {
-                return Ok(value);
-            }
-        }
-        Err(error) if found.is_empty() => found.push(keys::from_toml(text, &error)),
-        Err(_) => repair::contradictions(&document, schema, rules, &mut found),
-    }
-    found.sort_by_key(|diagnostic| diagnostic.span.start);
-    Err(found)
-}
-
-/// As [`read_checked`] for other files than tasks; `rules` say a path, what is wrong there, and what helps.
-pub(crate) fn read<V: DeserializeOwned>(
-    text: &str,
-    schema: &serde_json::Value,
-    whole: &str,
-    rules: impl Fn(&V, &mut dyn FnMut(&str, String, String)),
-) -> Result<V, Vec<Diagnostic>> {
-    read_checked(text, schema, whole, &|value, document, found| {
-        rules(value, &mut |path, message, help| found.push(Diagnostic { span: document.span(path), message, help }));
-    })
 }

@@ -94,7 +94,7 @@ pub struct Witness<T, const D: usize> {
     work: f64,
     doubt: f64,
     filled: Option<f64>,
-    /// The least reserve since, and whether a limit of motion has cut.
+    /// The least reserve since, and whether a limit of motion or a port has cut.
     reserve: f64,
     cut: bool,
 }
@@ -423,6 +423,8 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
                 primitives.stiffness.max().to_f64() * reach * reach + mass * speed * speed + force.abs() * self.scale;
             self.cut |= axis.hits.any_motion();
         }
+        // What a port takes back to the robot, it takes back whatever the model's force makes of it.
+        self.cut |= settings.port.is_some() && now.status.energy_short;
         self.doubt += 16.0 * T::EPSILON * largest;
         // A part of the input without a tank is in nobody's books.
         let Some(filled) = self.filled else { return };

@@ -15,7 +15,7 @@ use crate::task::Task;
 pub(super) struct Robot {
     /// Age of a reading [steps].
     age: f64,
-    /// Nought where readings are not rounded [N].
+    /// Zero where readings are not rounded [N].
     quantisation: f64,
     /// Time constant [s], where the tool is late.
     pub(super) lag: Option<f64>,

@@ -13,8 +13,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
+use super::Diagnostic;
 use super::keys::{Document, Schemas, has_type, lengths, names, required};
-use super::{Diagnostic, Rules};
+use super::reading::Rules;
 
 /// Appends the contradictions of a `document` that cannot be read for its other mistakes, those `found`: what does not
 /// hang on any of them.
