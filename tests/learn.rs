@@ -208,6 +208,19 @@ fn the_paper_preset_and_the_minimum_jerk_start_learn_too() {
 }
 
 #[test]
+fn a_start_that_no_controller_takes_is_refused_before_it_is_learned() {
+    let folder = folder();
+    // The spring falls behind its own pull: the weights of a smooth path grow with alpha squared.
+    for command in ["check", "learn"] {
+        let task = task("cantilever.toml");
+        let settings = ["--set", "learning.initial_path=minimum_jerk", "--set", "movement.alpha=50000"];
+        let (_, stderr) = expect(2, folder.path(), &[&[command, task.as_str()][..], &settings].concat());
+        assert!(stderr.contains("and a movement has at most 1.000e9; lower alpha"), "{command}: {stderr}");
+    }
+    assert!(!folder.path().join("runs/cantilever").exists());
+}
+
+#[test]
 fn ctrl_c_ends_after_the_update_with_the_best_policy_saved() {
     let folder = folder();
     let arguments = [

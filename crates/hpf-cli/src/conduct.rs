@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use hpf_core::controller::{Mode, Status};
 use hpf_core::limits::Hits;
 use hpf_sim::robot::{Conduct, Settings, Tally};
-use hpf_sim::task::{Axis, Task, Unit};
+use hpf_sim::task::{Axis, Task};
 use serde_json::{Value, json};
 
 use crate::render::number;
@@ -67,7 +67,7 @@ impl Controlled {
     /// The text of `controller.csv`: one row per step, at its end.
     pub fn csv(&self, task: &Task, time: &[f64]) -> String {
         let columns = |axis: &Axis| {
-            let (name, unit) = (&axis.name, if axis.unit == Unit::M { "m" } else { "rad" });
+            let (name, unit) = (&axis.name, axis.unit.symbol());
             format!("{name}_limits,{name}_command_{unit},{name}_model_force_n")
         };
         let columns: Vec<String> = task.axis.iter().map(columns).collect();

@@ -44,9 +44,7 @@ impl Range {
 fn axes_of(skill: &Packed<'_>) -> Vec<Axis> {
     let numbers: Vec<f64> = skill.values().collect();
     let [movement, stiffness, damping] = skill.head().functions.map(usize::from);
-    // A skill of version 1 says no law.
-    let law = if skill.head().version == 1 { 0 } else { 3 };
-    let length = 4 + movement + 2 + stiffness + 2 + damping + law;
+    let length = 4 + movement + 2 + stiffness + 2 + damping + skill.head().law_numbers();
     let axes = &numbers[numbers.len() - usize::from(skill.head().axes) * length..];
     let axis = |(i, axis): (usize, &[f64])| {
         let unit = if skill.head().rotary >> i & 1 == 1 { "rad" } else { "m" };

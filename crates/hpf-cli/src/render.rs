@@ -189,7 +189,7 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
         _ => _ = writeln!(text, "  rest        {} s after it", number(task.rest_time())),
     }
     for axis in &task.axis {
-        let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+        let unit = axis.unit.symbol();
         let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", axis.name, axis.start, axis.goal);
     }
     if let Some(Environment::Process(process)) = &task.environment {
@@ -228,7 +228,7 @@ pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String
 pub fn policy(policy: &Policy) -> String {
     let mut text = format!("{}: a valid policy, {} s\n", line(&policy.task), policy.duration_s);
     for axis in &policy.axes {
-        let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+        let unit = axis.unit.symbol();
         let _ = writeln!(text, "  axis        {}: {} -> {} {unit}", line(&axis.name), axis.start, axis.goal);
         for (name, gain) in [("stiffness", &axis.stiffness), ("damping", &axis.damping)] {
             let range = gain.weights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, w| (r.0.min(*w), r.1.max(*w)));

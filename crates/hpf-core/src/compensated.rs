@@ -10,27 +10,29 @@ use crate::domain::{TINY, tiny_phase};
 /// A remainder below is zero: changes of a millionth of a millionth of [`TINY`] still count.
 const TINY_REMAINDER: f64 = 1e-30;
 
-/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far; each is zero below its `tiny`.
+/// Adds `change` to `value`, of which `remainder` has been lost in rounding so far; each is zero where its size is below
+/// its `tiny`.
 #[inline(always)]
-fn add<T: Real>(value: &mut T, remainder: &mut T, change: T, tiny: [T; 2]) {
-    let flushed = |x: T, tiny: T| x.abs().select_below(tiny, T::ZERO, x);
+fn add<T: Real>(value: &mut T, remainder: &mut T, change: T, size: impl Fn(T) -> T, tiny: [T; 2]) {
+    let flushed = |x: T, size: T, tiny: T| size.select_below(tiny, T::ZERO, x);
     let [tiny, tiny_remainder] = tiny;
     let change = change + *remainder;
     let sum = *value + change;
-    *remainder = flushed(change - (sum - *value), tiny_remainder);
-    *value = flushed(sum, tiny);
+    let lost = change - (sum - *value);
+    *remainder = flushed(lost, lost.abs(), tiny_remainder);
+    *value = flushed(sum, size(sum), tiny);
 }
 
 /// Adds `change` to a motion's `value`, of which `remainder` has been lost in rounding so far. What dies away becomes zero.
 #[inline(always)]
 pub(crate) fn accumulate<T: Real>(value: &mut T, remainder: &mut T, change: T) {
-    add(value, remainder, change, [T::of(TINY), T::of(TINY_REMAINDER)]);
+    add(value, remainder, change, T::abs, [T::of(TINY), T::of(TINY_REMAINDER)]);
 }
 
-/// The same for a phase, which counts down to smaller numbers.
+/// The same for a phase, which counts down to smaller numbers and, however the step to its very end rounds, not below zero.
 #[inline(always)]
 pub(crate) fn accumulate_phase<T: Real>(phase: &mut T, remainder: &mut T, change: T) {
-    add(phase, remainder, change, [tiny_phase(), tiny_phase::<T>() * T::of(1e-6)]);
+    add(phase, remainder, change, |phase| phase, [tiny_phase(), tiny_phase::<T>() * T::of(1e-6)]);
 }
 
 /// `a + b`, and what rounding takes from it, whichever is larger (Knuth's two-sum).

@@ -114,8 +114,9 @@ struct Pace<T> {
     dt: T,
     /// The share of a change of force that the filter lets through in one step.
     settled: T,
-    /// The share of what the tank can spend that the path may take in one step.
-    spends: T,
+    /// The share of the ramp that one step is, at most 1: how far the rate may change in it, and which part of what the
+    /// tank can spend the path may take.
+    ramp_share: T,
     /// The rate that the rest is for; none that can be where the step's length is new.
     rate: T,
     /// By what share of itself the phase changes in half a step.
@@ -170,7 +171,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             moved: false,
             phase_remainder: T::ZERO,
             counters: Counters::default(),
-            pace: Pace { dt: T::ZERO, settled: T::ZERO, spends: T::ZERO, rate: T::ZERO, half: T::ZERO },
+            pace: Pace { dt: T::ZERO, settled: T::ZERO, ramp_share: T::ZERO, rate: T::ZERO, half: T::ZERO },
             port_known: false,
             last: Output {
                 axes: [rest; D],

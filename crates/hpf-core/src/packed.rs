@@ -184,8 +184,12 @@ impl Head {
 
     /// Numbers in all.
     pub fn numbers(&self) -> usize {
-        let law = if self.version == WITHOUT_LAWS { 0 } else { LAW_NUMBERS };
-        self.storage().saturating_add(2 + (8 + law) * usize::from(self.axes))
+        self.storage().saturating_add(2 + (8 + self.law_numbers()) * usize::from(self.axes))
+    }
+
+    /// Numbers of the law of an axis, the last of its numbers: 3, none in version 1.
+    pub fn law_numbers(&self) -> usize {
+        if self.version == WITHOUT_LAWS { 0 } else { LAW_NUMBERS }
     }
 
     /// Length of the packed skill [bytes].

@@ -141,6 +141,16 @@ pub enum Unit {
     Rad,
 }
 
+impl Unit {
+    /// As it is written behind a number.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::M => "m",
+            Self::Rad => "rad",
+        }
+    }
+}
+
 /// The phase all primitives share: it falls from 1 to exp(-decay).
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]

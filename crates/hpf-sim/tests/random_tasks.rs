@@ -5,7 +5,6 @@
 
 mod generator;
 
-use hpf_learn::fit::FitError;
 use hpf_sim::{Conditions, Policy, Simulation, Task, Trace};
 use rayon::prelude::*;
 
@@ -48,16 +47,7 @@ fn learn(seed: u64) -> Result<(), String> {
     }
     let start = Policy::initial(&task).map_err(|error| error.to_string())?;
     let simulation = Simulation::new(&task, &start).map_err(|error| error.to_string())?;
-    let weights = match simulation.starting_weights(&start) {
-        Ok(weights) => weights,
-        // Of a spring so stiff that no controller takes the weights of a smooth path: refused before anything is learned.
-        Err(FitError::Domain { weight, .. })
-            if weight > 1e9 && task.movement.alpha.values().iter().any(|a| *a > 1e4) =>
-        {
-            return Ok(());
-        }
-        Err(error) => return Err(error.to_string()),
-    };
+    let weights = simulation.starting_weights(&start).map_err(|error| error.to_string())?;
     let mut wrong = None;
     let history =
         hpf_learn::learn_with(&simulation, weights, &task.learning.method(), task.learning.max_rollouts, |progress| {

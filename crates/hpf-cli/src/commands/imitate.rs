@@ -164,7 +164,7 @@ fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, V
     policy.provenance.cost = price.0;
 
     let errors = imitated.errors(&trajectory);
-    let units: Vec<&str> = task.axis.iter().map(|axis| saved::unit(axis.unit)).collect();
+    let units: Vec<&str> = task.axis.iter().map(|axis| axis.unit.symbol()).collect();
     let unit = if units.iter().all(|unit| *unit == units[0]) { units[0] } else { "" };
     let whole = errors.iter().map(|error| error * error).sum::<f64>().sqrt();
     metrics.push(Metric { name: "demonstration_rmse", unit, value: whole, target: None });

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use hpf_sim::task::Unit;
 use serde_json::json;
 
 use crate::cli::{Common, Plot};
@@ -83,12 +82,7 @@ fn comparable(runs: &[Named<'_>]) -> Result<(), Failure> {
         return Err(Failure::Input(message));
     }
     let axes = |named: &Named<'_>| {
-        let axes = named
-            .run
-            .task
-            .axis
-            .iter()
-            .map(|axis| format!("{} [{}]", axis.name, if axis.unit == Unit::M { "m" } else { "rad" }));
+        let axes = named.run.task.axis.iter().map(|axis| format!("{} [{}]", axis.name, axis.unit.symbol()));
         axes.collect::<Vec<_>>().join(", ")
     };
     if let Some(twice) = runs.iter().enumerate().find(|(i, named)| runs[..*i].iter().any(|one| one.name == named.name))

@@ -47,8 +47,8 @@ pub fn over_seeds(study: &Study) -> Vec<Drawing<'_>> {
     };
     let first = seeds(&[
         (Variant::ViaPoint, "PI2, as shipped"),
-        (Variant::PaperPi2, "PI2, as written"),
-        (Variant::Signals, "from signals"),
+        (Variant::PaperPi2, "PI2, as written, no rest"),
+        (Variant::Signals, "from signals, no rest"),
     ]);
     let second = seeds(&[(Variant::Cantilever, "paper's curve"), (Variant::MovingLoad, "physical curve")]);
     vec![Drawing::new("more_cost_task_1", first), Drawing::new("more_cost_task_2", second)]

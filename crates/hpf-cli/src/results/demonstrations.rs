@@ -2,13 +2,13 @@
 
 use std::io;
 
-use hpf_sim::task::{Axis, Task, Unit};
+use hpf_sim::task::{Axis, Task};
 
 use super::{Run, bad, refuse_cut};
 
 /// Names of the columns of an axis: `count` demonstrations, then the reference.
 fn columns(axis: &Axis, count: usize) -> impl Iterator<Item = String> {
-    let (name, unit) = (&axis.name, if axis.unit == Unit::M { "m" } else { "rad" });
+    let (name, unit) = (&axis.name, axis.unit.symbol());
     let recorded = (1..=count).map(move |number| format!("{name}_demonstration_{number}_{unit}"));
     recorded.chain([format!("{name}_reference_{unit}")])
 }

@@ -82,9 +82,14 @@ impl<T: Real> Inertial<T> {
 
     /// The same for numbers of a skill and a step that is not negative; none where the step reaches too far.
     pub(crate) fn within_reach(mass: T, stiffness: T, damping: T, dt: T) -> Option<Self> {
-        let reach = reach(mass, stiffness, damping, dt);
-        let halvings = (0..=MOST_HALVINGS).find(|&n| libm::scalbn(SERIES_UP_TO, n.cast_signed()) >= reach);
-        halvings.map(|halvings| Self { mass, halvings })
+        let reach = reach(mass, stiffness, damping, dt) / SERIES_UP_TO;
+        if !reach.is_finite() {
+            return None;
+        }
+        // The least n of 2^n >= reach; a fraction lies in [0.5, 1).
+        let (fraction, exponent) = libm::frexp(reach);
+        let halvings = (exponent - i32::from(fraction <= 0.5)).max(0).cast_unsigned();
+        (halvings <= MOST_HALVINGS).then_some(Self { mass, halvings })
     }
 
     /// Mass m [kg].

@@ -72,7 +72,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if self.pace.dt != dt {
             (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
             // Without its sign: a ramp of -0 is one of 0.
-            self.pace.spends = (dt / timing.ramp).abs().at_most(T::ONE);
+            self.pace.ramp_share = (dt / timing.ramp).abs().at_most(T::ONE);
         }
         conditioning.settle(&mut self.force, compensated, self.pace.settled)
     }
@@ -194,7 +194,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     }
 
     /// The rate of time in this step, where `asked` is asked for.
-    pub(super) fn next_rate(&mut self, asked: T, dt: T) -> T {
+    pub(super) fn next_rate(&mut self, asked: T) -> T {
         let mut rate = asked;
         if !(T::ZERO..=T::ONE).contains(&asked) {
             rate = asked.at_least(T::ZERO).at_most(T::ONE);
@@ -209,7 +209,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         // A path at rest at its start begins at any rate without a jump; only under way a change needs the ramp.
         if rate != self.last.rate && self.last.phase < T::ONE {
-            let change = (dt / self.settings.timing.ramp).abs();
+            let change = self.pace.ramp_share;
             rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
         }
         if lost && rate <= T::ZERO {

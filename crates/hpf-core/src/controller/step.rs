@@ -25,7 +25,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if self.settings.port.is_some() {
             self.observe(input);
         }
-        let rate = self.next_rate(input.rate, dt);
+        let rate = self.next_rate(input.rate);
         self.keep_pace(rate, dt);
         self.walk(force, rate, dt);
         if !self.ended && self.last.phase <= self.end_phase {
@@ -116,8 +116,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         // What is left goes down no faster than it would by the ramp: a path that has to slow down has the time to.
         let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.last.energy));
         if tank.is_some() {
-            if cost > left * self.pace.spends {
-                share = lesser(share, left * self.pace.spends, cost);
+            if cost > left * self.pace.ramp_share {
+                share = lesser(share, left * self.pace.ramp_share, cost);
                 short = true;
             }
             left = left - (share * cost).at_least(T::ZERO);

@@ -201,8 +201,7 @@ impl Imitation {
 /// An error unless every demonstration has the axes of the task.
 fn same_axes(demonstrations: &[Demonstration], task: &Task) -> Result<(), ImitationError> {
     let list = |axes: &mut dyn Iterator<Item = (&str, Unit)>| {
-        let unit = |unit| if unit == Unit::M { "m" } else { "rad" };
-        let mut names: Vec<String> = axes.map(|(name, of)| format!("{name} [{}]", unit(of))).collect();
+        let mut names: Vec<String> = axes.map(|(name, of)| format!("{name} [{}]", of.symbol())).collect();
         names.sort();
         names.join(", ")
     };

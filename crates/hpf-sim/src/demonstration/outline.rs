@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use super::path::mean;
 use super::signal::{grid, resample};
 use super::{Demonstration, Follow};
-use crate::task::{MIN_GOAL_DISTANCE, Unit};
+use crate::task::MIN_GOAL_DISTANCE;
 
 /// Where the duration of the policy comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,7 +130,7 @@ impl Outline {
         let paths: Vec<Path> =
             first.axes.iter().map(|axis| Path::of(demonstrations, &axis.name, self.follow)).collect();
         for (axis, path) in first.axes.iter().zip(&paths) {
-            let unit = if axis.unit == Unit::M { "m" } else { "rad" };
+            let unit = axis.unit.symbol();
             let [start, goal] = path.ends;
             let _ = write!(
                 text,

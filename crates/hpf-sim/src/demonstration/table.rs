@@ -244,7 +244,7 @@ fn columns(names: &[&str]) -> Result<Vec<Column>, HeaderMistakes> {
             Some(Column::Axis { name: own, unit, .. }) => match axes.iter().find(|(axis, _)| axis == own) {
                 None => say(format!("axis `{own}` has no position column, {own}_m or {own}_rad")),
                 Some((_, of_axis)) if unit.is_some_and(|unit| unit != *of_axis) => {
-                    let unit = if *of_axis == Unit::M { "m" } else { "rad" };
+                    let unit = of_axis.symbol();
                     say(format!("axis `{own}` is in {unit}, this column belongs to the other unit"));
                 }
                 Some(_) => {}

@@ -33,11 +33,11 @@ pub struct Conduct {
 pub struct Tally {
     /// Steps in all.
     pub steps: usize,
-    /// Motions, and those among them whose movement came to its end.
+    /// Motions.
     pub motions: usize,
     /// Motions whose movement came to its end.
     pub ended: usize,
-    /// Motions that ended in Stop and in Fault.
+    /// Motions that ended in Stop.
     pub stopped: usize,
     /// Motions that ended in Fault.
     pub faulted: usize,

@@ -293,25 +293,29 @@ impl Settings {
         if self.port.is_some() && self.tank.is_none() {
             say("port", "a port without a tank".into(), "the port keeps the tank's energy: add [tank]".into());
         }
-        for (path, key, numbers) in [
-            ("limits.force", "force", &self.limits.force),
-            ("limits.offset", "offset", &self.limits.offset),
-            ("limits.velocity", "velocity", &self.limits.velocity),
-            ("limits.acceleration", "acceleration", &self.limits.acceleration),
-            ("trips.force", "force", &self.trips.force),
-            ("trips.tracking", "tracking", &self.trips.tracking),
-        ] {
+        let Limits { force, offset, velocity, acceleration, position_min, position_max } = &self.limits;
+        let sizes = [
+            ("limits.force", force),
+            ("limits.offset", offset),
+            ("limits.velocity", velocity),
+            ("limits.acceleration", acceleration),
+            ("trips.force", &self.trips.force),
+            ("trips.tracking", &self.trips.tracking),
+        ];
+        for (path, numbers) in sizes {
             let outside = |number: &&f64| !(SMALLEST..=LARGEST).contains(*number);
             if let Some(number) = numbers.as_ref().and_then(|numbers| numbers.values().iter().find(outside)) {
+                let key = path.rsplit('.').next().unwrap_or(path);
                 let help = format!("`{key}` must lie between {SMALLEST:e} and {LARGEST:e}");
                 say(path, format!("`{key}` is out of range: {number}"), help);
             }
         }
         let mut length = |path: &str, count: Option<usize>| {
             if let Some(count) = count.filter(|count| *count != axes) {
+                let kind = if axes == 1 { "axis" } else { "axes" };
                 say(
                     path,
-                    format!("{count} entries for {axes} ax{}s", if axes == 1 { "i" } else { "e" }),
+                    format!("{count} entries for {axes} {kind}"),
                     "one value for all axes, or one for each".into(),
                 );
             }
@@ -323,18 +327,9 @@ impl Settings {
                 _ => None,
             },
         );
-        let Limits { force, offset, velocity, acceleration, position_min, position_max } = &self.limits;
-        for (path, numbers) in [
-            ("press", &self.press),
-            ("limits.force", force),
-            ("limits.offset", offset),
-            ("limits.velocity", velocity),
-            ("limits.acceleration", acceleration),
-            ("limits.position_min", position_min),
-            ("limits.position_max", position_max),
-            ("trips.force", &self.trips.force),
-            ("trips.tracking", &self.trips.tracking),
-        ] {
+        let places =
+            [("limits.position_min", position_min), ("limits.position_max", position_max), ("press", &self.press)];
+        for (path, numbers) in sizes.into_iter().chain(places) {
             length(path, numbers.as_ref().and_then(PerAxis::count));
         }
         length("port.force_bias", self.port.as_ref().and_then(|port| port.force_bias.count()));

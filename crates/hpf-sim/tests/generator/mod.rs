@@ -288,7 +288,14 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     text.maybe(dice, "final_noise", |dice| dice.wide(1e-3, 1.0));
     text.maybe(dice, "credit", |dice| dice.name(&["to-go", "total"]));
     text.maybe(dice, "projection", |dice| dice.chance(0.5));
-    text.maybe(dice, "initial_path", |dice| dice.name(&["pull", "minimum_jerk"]));
+    // Of a stiffer spring a smooth path takes weights that no controller takes: refused by name.
+    let alpha = text.0.lines().find_map(|line| line.strip_prefix("alpha = ")).unwrap_or_default();
+    let mut alphas = alpha.split(['[', ']', ',', ' ']).filter_map(|number| number.parse::<f64>().ok());
+    let is_stiff = alphas.any(|alpha| alpha > 1e3);
+    text.maybe(dice, "initial_path", |dice| {
+        let path = dice.name(&["pull", "minimum_jerk"]);
+        if is_stiff { "\"pull\"".into() } else { path }
+    });
     text.maybe(dice, "temperature", |dice| match dice.whole(0, 3) {
         0 => "\"rank\"".to_owned(),
         1 => format!("{{ range = {:?} }}", dice.wide(0.1, 100.0)),

@@ -11,14 +11,6 @@ use crate::render::{self, number};
 use crate::results::Run;
 use crate::summary::Summary;
 
-/// The unit of an axis in letters.
-pub fn unit(unit: Unit) -> &'static str {
-    match unit {
-        Unit::M => "m",
-        Unit::Rad => "rad",
-    }
-}
-
 /// What a policy was made of, for people and for programs.
 pub struct Account {
     sources: Vec<(String, String)>,
@@ -69,7 +61,7 @@ impl Account {
     /// `summary` with the account under `imitation`.
     pub fn in_json(&self, mut summary: Value) -> Value {
         let axes = self.axes.iter().map(|axis| {
-            let unit = unit(axis.unit);
+            let unit = axis.unit.symbol();
             let mut object = Map::new();
             object.insert("name".into(), json!(axis.name));
             object.insert(format!("rmse_{unit}"), json!(axis.error));
@@ -105,7 +97,7 @@ impl Account {
         let _ =
             writeln!(text, "\n{:<8} {:>14} {:>14}   {:<14} damping from", "axis", "RMSE", "spread", "stiffness from");
         for axis in &self.axes {
-            let unit = unit(axis.unit);
+            let unit = axis.unit.symbol();
             let _ = writeln!(
                 text,
                 "{:<8} {:>14} {:>14}   {:<14} {}",
