@@ -168,6 +168,27 @@ fn settings_of_the_controller_are_kept_and_their_mistakes_shown() {
 }
 
 #[test]
+fn a_run_off_the_clock_or_the_goal_of_its_task_says_so() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    let of = |request: &str| {
+        std::fs::write(folder.path().join("settings.toml"), request).unwrap();
+        let args = ["run", "runs/reach", "--controller", "--settings", "settings.toml", "--rate", "1000"];
+        String::from_utf8(crate::support::hpf(folder.path(), &args).stdout).unwrap()
+    };
+    for (request, reasons) in [
+        ("[[request]]\nkind = \"start\"\ntime = 0.2\n", "the movement ends at 1.200 s, not 1.000 s"),
+        ("[[request]]\nkind = \"hold\"\ntime = 0.2\n", "the movement does not end"),
+        ("[[request]]\nkind = \"goal\"\ntime = 0.2\nposition = 0.2\n", "a request sets another goal"),
+    ] {
+        let stdout = of(request);
+        let line = format!("  measures       by the clock and the goal of the task: {reasons}\n");
+        assert!(stdout.contains(&line), "{stdout}");
+    }
+    assert!(!of("").contains("by the clock"));
+}
+
+#[test]
 fn the_promises_of_limits_and_tank_can_be_checked_from_the_tables() {
     let folder = folder();
     expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use hpf_core::controller::{Mode, Status};
 use hpf_core::limits::Hits;
-use hpf_sim::robot::{Conduct, Settings, Tally};
+use hpf_sim::robot::{Conduct, Settings, Tally, TimedRequest};
 use hpf_sim::task::{Axis, Task};
 use serde_json::{Value, json};
 
@@ -58,9 +58,8 @@ fn flags(status: &Status) -> String {
 }
 
 fn cut(hits: &Hits) -> String {
-    let set = [hits.force, hits.offset, hits.velocity, hits.acceleration, hits.position];
     let mut names = Tally::LIMITS.into_iter();
-    joined(set.map(|is_set| (is_set, names.next().unwrap_or_default())))
+    joined(Tally::of(hits).map(|is_set| (is_set, names.next().unwrap_or_default())))
 }
 
 impl Controlled {
@@ -93,8 +92,28 @@ impl Controlled {
             .collect()
     }
 
+    /// When the movement of the motion that is shown was at its end [s].
+    fn end(&self, time: &[f64]) -> Option<f64> {
+        self.conduct.end().and_then(|step| time.get(step + 1)).copied()
+    }
+
+    /// Why the measures, which go by the clock and the goal of the task, are not those of the movement itself.
+    fn off_the_task(&self, task: &Task, time: &[f64]) -> Option<String> {
+        let end = self.end(time);
+        let mut reasons = Vec::new();
+        if end.is_none_or(|end| (end - task.duration).abs() > 1.5 / task.rate) {
+            reasons.push(end.map_or("the movement does not end".into(), |end| {
+                format!("the movement ends at {} s, not {} s", number(end), number(task.duration))
+            }));
+        }
+        if self.settings.request.iter().any(|request| matches!(request, TimedRequest::Goal(_))) {
+            reasons.push("a request sets another goal".into());
+        }
+        (!reasons.is_empty()).then(|| reasons.join(", "))
+    }
+
     /// Lines for the terminal.
-    pub fn render(&self, time: &[f64]) -> String {
+    pub fn render(&self, task: &Task, time: &[f64]) -> String {
         let tally = &self.tally;
         let changes: Vec<String> =
             self.changes(time).into_iter().map(|(time, mode)| format!("{mode} at {} s", number(time))).collect();
@@ -105,8 +124,9 @@ impl Controlled {
                 "  motions        {}, {} ended, {} in stop, {} in fault",
                 tally.motions, tally.ended, tally.stopped, tally.faulted
             );
-        } else if tally.ended == 0 {
-            text += "  the movement did not come to its end\n";
+        }
+        if let Some(reasons) = self.off_the_task(task, time) {
+            let _ = writeln!(text, "  measures       by the clock and the goal of the task: {reasons}");
         }
         let hits: Vec<String> = Tally::LIMITS
             .iter()
@@ -156,15 +176,15 @@ impl Controlled {
         let changes = self.changes(time).into_iter().map(|(time, mode)| json!({ "time_s": time, "mode": mode }));
         let hits: serde_json::Map<String, Value> =
             Tally::LIMITS.iter().zip(tally.hits).map(|(name, steps)| ((*name).to_owned(), json!(steps))).collect();
-        let [force, input, time] = tally.bad;
+        let ([bad_force, bad_input, bad_time], end) = (tally.bad, self.end(time));
         json!({
-            "modes": changes.collect::<Vec<_>>(),
+            "modes": changes.collect::<Vec<_>>(), "end_s": end,
             "steps": tally.steps, "motions": tally.motions, "ended": tally.ended,
             "in_stop": tally.stopped, "in_fault": tally.faulted,
             "limited_steps": hits,
             "energy_short_steps": tally.short,
             "least_energy_j": self.settings.tank.as_ref().map(|_| tally.least_energy),
-            "bad_forces": force, "bad_inputs": input, "bad_times": time,
+            "bad_forces": bad_force, "bad_inputs": bad_input, "bad_times": bad_time,
             "requests_refused": tally.refused, "requests_never_made": tally.unasked, "trips": tally.trips, "faults": tally.faults,
         })
     }

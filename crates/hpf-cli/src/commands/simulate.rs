@@ -112,7 +112,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     } else {
         say(&render::simulated(&run, &summary, place.as_deref(), &files))?;
         if let Some(controlled) = &controlled {
-            say(&controlled.render(&time))?;
+            say(&controlled.render(&run.task, &time))?;
         }
     }
     told(&failures, place.as_deref().unwrap_or_default())?;

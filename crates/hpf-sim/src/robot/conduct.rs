@@ -63,6 +63,11 @@ impl Tally {
     /// What the hits are of, in their order.
     pub const LIMITS: [&'static str; 5] = ["force", "offset", "velocity", "acceleration", "position"];
 
+    /// Which of the [`Tally::LIMITS`] were hit.
+    pub fn of(hits: &Hits) -> [bool; 5] {
+        [hits.force, hits.offset, hits.velocity, hits.acceleration, hits.position]
+    }
+
     /// Adds what was done in another motion.
     pub fn add(&mut self, other: &Self) {
         let first = self.motions == 0;
@@ -97,18 +102,17 @@ impl Conduct {
 
     /// In numbers.
     pub fn tally(&self) -> Tally {
-        let of = |hits: &Hits| [hits.force, hits.offset, hits.velocity, hits.acceleration, hits.position];
         let mut cut = [0; 5];
         for step in &self.hits {
             for (i, cut) in cut.iter_mut().enumerate() {
-                *cut += usize::from(step.iter().any(|hits| of(hits)[i]));
+                *cut += usize::from(step.iter().any(|hits| Tally::of(hits)[i]));
             }
         }
         let (last, counters) = (self.mode.last(), &self.counters);
         Tally {
             steps: self.mode.len(),
             motions: 1,
-            ended: usize::from(self.status.iter().any(|status| status.ended)),
+            ended: usize::from(self.end().is_some()),
             stopped: usize::from(last == Some(&Mode::Stop)),
             faulted: usize::from(last == Some(&Mode::Fault)),
             hits: cut,
@@ -124,6 +128,11 @@ impl Conduct {
             trips: counters.trips.into(),
             faults: counters.faults.into(),
         }
+    }
+
+    /// The step after which the movement was at its end.
+    pub fn end(&self) -> Option<usize> {
+        self.status.iter().position(|status| status.ended)
     }
 
     /// The modes in their order, each with the step after which it holds.
