@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Sets a struct to nought, and its size and version. */
+/* Sets a struct to zero, and its size and version. */
 #define HPF_PREPARE(object) \
   (memset(&(object), 0, sizeof(object)), (object).struct_size = (uint32_t)sizeof(object), \
    (object).abi_version = HPF_ABI_VERSION)

@@ -127,7 +127,7 @@ impl Refusal {
         let gap: &[u8] = if field.is_empty() { b"" } else { b" " };
         let words = field.bytes().chain(gap.iter().copied()).chain(text(status).to_bytes().iter().copied());
         error.text = [0; 128];
-        // The last place stays nought whatever the length.
+        // The last place stays zero whatever the length.
         for (slot, byte) in error.text.iter_mut().take(127).zip(words) {
             *slot = byte as c_char;
         }

@@ -140,7 +140,7 @@ impl Caller {
     }
 
     fn reason(&self) -> &str {
-        // SAFETY: the text ends with nought.
+        // SAFETY: the text ends with a zero byte.
         unsafe { CStr::from_ptr(self.error.text.as_ptr()) }.to_str().unwrap()
     }
 }

@@ -24,7 +24,7 @@ const TOP: &str = "\
  * of a refusal, hpf_status_text says it in words; a refused call changes nothing but what its comment names. SI units. */";
 
 const HELP: &str = "
-/* Sets a struct to nought, and its size and version. */
+/* Sets a struct to zero, and its size and version. */
 #define HPF_PREPARE(object) \\
   (memset(&(object), 0, sizeof(object)), (object).struct_size = (uint32_t)sizeof(object), \\
    (object).abi_version = HPF_ABI_VERSION)

@@ -45,7 +45,7 @@ pub fn measure(value: f64, unit: &str) -> String {
     }
 }
 
-/// Cost by term before and after, terms that stay nought left out.
+/// Cost by term before and after, terms that stay zero left out.
 pub fn costs(summary: &Summary) -> String {
     let mut text = format!("{:<16} {:>12} {:>12}\n", "cost", "before", "after");
     let ((before, initial), (after, last)) = (&summary.initial, &summary.last);

@@ -28,7 +28,7 @@ pub use law::{Damping, Law};
 use crate::Real;
 use crate::domain::flushed;
 
-/// Below this lambda h, `(1 - exp(-x))/x` is taken from its series: 0/0 at nought, a relative error of x^3/24 here.
+/// Below this lambda h, `(1 - exp(-x))/x` is taken from its series: 0/0 at zero, a relative error of x^3/24 here.
 const SERIES_BELOW: f64 = 1e-5;
 
 /// `(1 - exp(-x))/x` given `settled = 1 - exp(-x)`: the mean of exp(-x) over the step.
@@ -40,7 +40,7 @@ fn mean_decay<T: Real>(x: T, settled: T) -> T {
 /// One step of `d e' + k e = f`, exact for k, d and f held over `dt` [s]. Returns the new offset, zero where it has died
 /// away.
 ///
-/// `damping` must be positive; `stiffness` may be nought, where the tool drifts by `dt f/d`.
+/// `damping` must be positive; `stiffness` may be zero, where the tool drifts by `dt f/d`.
 ///
 /// ```
 /// use hpf_core::admittance::step_offset;
@@ -73,7 +73,7 @@ pub fn relax<T: Real>(y: T, target_start: T, target_end: T, lambda_dt: T) -> T {
 
 /// All that decides the tool's motion at one instant: the coupled law `d (y' - x_r') + k (y - x_r) = b - K_e y`.
 ///
-/// With a reference of nought it is the law of the offset alone.
+/// With a reference of zero it is the law of the offset alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant<T> {
     /// Stiffness k [N/m].

@@ -26,7 +26,7 @@ use crate::{ConfigError, Real, error};
 pub const DEFAULT_OVERLAP: f64 = 0.6;
 
 /// A function of the time family of which this share of the nearest's, at its largest, is lost in rounding counts as
-/// nought: it would cost time, and its powers of u may overflow. The sum is above 2 there.
+/// zero: it would cost time, and its powers of u may overflow. The sum is above 2 there.
 const SHARE_THAT_COUNTS: f64 = 0.25;
 
 /// What the functions of a basis are Gaussians of.
@@ -219,7 +219,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     }
 
     /// Hands the activations at `s` to `sink`, all over one of them, which cancels in every normalised quantity; functions
-    /// that are left out count as nought. Returns the sum.
+    /// that are left out count as zero. Returns the sum.
     #[inline(always)]
     fn scan(&self, s: T, sink: &mut impl Sink<T>) -> T {
         match self.family {
@@ -425,7 +425,7 @@ fn fall_to<T: Real>(overlap: T) -> Result<T, ConfigError> {
     Ok(T::of(-libm::log(value)))
 }
 
-/// What a function of the time family has fallen to, `j` spacings from its center; nought where it does not count.
+/// What a function of the time family has fallen to, `j` spacings from its center; zero where it does not count.
 fn fallen<T: Real>(fall: T, j: usize) -> T {
     let j = j as f64;
     let fallen = libm::exp(-fall.to_f64() * (j * j));

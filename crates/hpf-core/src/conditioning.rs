@@ -60,7 +60,7 @@ pub(crate) fn settled<T: Real>(cutoff: Option<T>, dt: T) -> T {
 pub struct ForceConditioning<T, const D: usize> {
     /// Mass that hangs on the sensor [kg].
     pub tool_mass: T,
-    /// Gravity along each axis [m/s^2], nought for a rotary one.
+    /// Gravity along each axis [m/s^2], zero for a rotary one.
     pub gravity: [T; D],
     /// Cut-off of the low-pass filter [Hz], if there is one.
     pub cutoff: Option<T>,

@@ -110,7 +110,7 @@ pub struct Controller<T, S, const D: usize> {
 /// What a step's length and the rate of time decide, beside [`AxisState::step`]: kept while they stay what they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pace<T> {
-    /// The step's length [s]; nought where none has been looked at.
+    /// The step's length [s]; zero where none has been looked at.
     dt: T,
     /// The share of a change of force that the filter lets through in one step.
     settled: T,

@@ -99,7 +99,7 @@ pub(crate) fn finite<T: crate::Real>(field: &'static str, value: T) -> Result<T,
     if value.is_finite() { Ok(value) } else { Err(ConfigError::NotFinite { field }) }
 }
 
-/// `value` if finite and above nought, else an error that names `field`.
+/// `value` if finite and positive, else an error that names `field`.
 pub(crate) fn positive<T: crate::Real>(field: &'static str, value: T) -> Result<T, ConfigError> {
     finite(field, value)?;
     if value.to_f64() > 0.0 { Ok(value) } else { Err(ConfigError::NotPositive { field, value: value.to_f64() }) }

@@ -177,7 +177,7 @@ const FACTORIALS: [f64; 12] = [
 ];
 /// Beyond it every exponential is infinite.
 const LARGEST: f64 = 710.0;
-/// Below it `e^x` is nought.
+/// Below it `e^x` is zero.
 const SMALLEST: f64 = -746.0;
 /// Below it `e^x - 1` is -1.
 const SMALLEST_M1: f64 = -700.0;

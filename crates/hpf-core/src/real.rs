@@ -28,7 +28,7 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Nought.
+    /// Zero.
     const ZERO: Self;
     /// One.
     const ONE: Self;
@@ -39,7 +39,7 @@ pub trait Real:
     fn to_f64(self) -> f64;
     /// `e^self`.
     fn exp(self) -> Self;
-    /// `e^self - 1`, accurate near nought.
+    /// `e^self - 1`, accurate near zero.
     fn exp_m1(self) -> Self;
     /// The natural logarithm.
     fn ln(self) -> Self;
@@ -47,7 +47,7 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// The largest integer not above.
     fn floor(self) -> Self;
-    /// The integer part; nought for a negative number and for NaN.
+    /// The integer part; zero for a negative number and for NaN.
     fn to_index(self) -> usize;
     /// The smaller of two; a NaN loses.
     fn min(self, other: Self) -> Self;

@@ -49,6 +49,6 @@ fn after_a_million<T: Real>() -> f64 {
 #[test]
 fn a_million_steps_keep_their_digits() {
     let errors = [after_a_million::<f64>(), after_a_million::<f32>()];
-    // In single precision the offset stands still once its step rounds to nought, 6e-8 d/(k dt) short: 6e-6.
+    // In single precision the offset stands still once its step rounds to zero, 6e-8 d/(k dt) short: 6e-6.
     assert!(errors[0] < 1e-12 && errors[1] < 1e-5, "{errors:?}");
 }

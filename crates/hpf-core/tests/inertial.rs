@@ -69,7 +69,7 @@ fn single_precision_keeps_five_digits() {
 
 #[test]
 fn single_precision_keeps_five_digits_over_a_million_steps() {
-    // The offset stands still once its step, k dt/d of the distance left, rounds to nought: 6e-8 d/(k dt) short.
+    // The offset stands still once its step, k dt/d of the distance left, rounds to zero: 6e-8 d/(k dt) short.
     let (m, k, d, dt) = (1.0_f32, 100.0, 10.0, 1e-3);
     let law = Inertial::new(m, k, d, dt).unwrap();
     let mut motion = OffsetMotion { offset: 0.0, velocity: 0.0 };

@@ -235,7 +235,7 @@ macro_rules! total {
                     let mut state = skill.initial_state();
                     skill.step(&mut state, [0.0; 2], 1.0, 0.01);
                     let before = state;
-                    // A dt that is not positive or not finite counts as nought: everything stands still.
+                    // A dt that is not positive or not finite counts as zero: everything stands still.
                     if !(dt.is_finite() && dt > 0.0) {
                         skill.step(&mut state, [5.0; 2], 1.0, dt);
                         prop_assert_eq!(state.phase, before.phase);
@@ -261,7 +261,7 @@ macro_rules! total {
                         transition.apply(&mut state, goal, 0.0);
                     }
                     // u t = 50: (20 + 200 t) exp(-50) is 1e-19. The rest is rounding: a position stands still once its
-                    // step, u/2 of the distance left, rounds to nought. In single precision, 0.9 m away at 1 kHz over
+                    // step, u/2 of the distance left, rounds to zero. In single precision, 0.9 m away at 1 kHz over
                     // 1 s, that is 2 um; over 10 s, 20 um.
                     let resolution = $float::EPSILON * goal.abs();
                     prop_assert!((state.position - goal).abs() <= resolution * (1.0 / u + 4.0) + 1e-15, "{state:?}");

@@ -2,7 +2,7 @@
 //!
 //! 1. **Signals**: [`GaussNewton`] on them.
 //! 2. **Costs**, where no step's cost is negative: [`GaussNewton`] on their roots, `nu_t = sqrt(2 r_t)`, for then
-//!    `J = 1/2 |nu|^2`. A root has lost the sign of its signal and its response has a kink at nought, so this comes
+//!    `J = 1/2 |nu|^2`. A root has lost the sign of its signal and its response has a kink at zero, so this comes
 //!    near the optimum fast and may stall there.
 //! 3. **Squares**, where rollouts repeat: what the costs of the steps are the squares of is found out from how these
 //!    bend, and learned from ([`Squares`]). They have no kink, and what stalled before goes on.

@@ -113,7 +113,7 @@ impl Rates {
             .map(|rank| libm::log(0.5 * (rollouts + 1) as f64) - libm::log(rank as f64))
             .collect();
         let sum: f64 = raw.iter().sum();
-        // A single rollout has the weight of nought by the formula, and all of it by being alone.
+        // A single rollout has the weight of zero by the formula, and all of it by being alone.
         let weights: Vec<f64> = raw.iter().map(|weight| if sum > 0.0 { weight / sum } else { 1.0 }).collect();
         let effective = 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>();
         let step = (effective + 2.0) / (n + effective + 5.0);

@@ -23,9 +23,9 @@ pub enum FitError {
         /// Numbers needed.
         expected: usize,
     },
-    /// The equations have no unique finite solution: too few samples for a penalty of nought, or numbers that are not
+    /// The equations have no unique finite solution: too few samples for a penalty of zero, or numbers that are not
     /// finite.
-    #[error("the data do not determine the weights; give more samples or a penalty above nought")]
+    #[error("the data do not determine the weights; give more samples or a positive penalty")]
     Singular,
     /// The weights leave the domain of a controller.
     #[error(
@@ -39,7 +39,7 @@ pub enum FitError {
     },
 }
 
-/// A pivot this many roundings per feature above nought, relative to its diagonal entry, counts as nought.
+/// A pivot this many roundings per feature above zero, relative to its diagonal entry, counts as zero.
 const PIVOT_ROUNDING: f64 = 10.0;
 
 fn expect(name: &'static str, found: usize, expected: usize) -> Result<(), FitError> {
@@ -50,7 +50,7 @@ fn expect(name: &'static str, found: usize, expected: usize) -> Result<(), FitEr
 fn determined(normal: DMatrix<f64>) -> Result<Cholesky<f64, Dyn>, FitError> {
     let diagonal = normal.diagonal();
     let factor = normal.cholesky().ok_or(FitError::Singular)?;
-    // A dependent feature leaves a pivot of nought, or of what rounding made of it.
+    // A dependent feature leaves a pivot of zero, or of what rounding made of it.
     let rounding = PIVOT_ROUNDING * diagonal.len() as f64 * f64::EPSILON;
     if factor.l_dirty().diagonal().iter().zip(&diagonal).any(|(root, whole)| root * root <= rounding * whole) {
         return Err(FitError::Singular);

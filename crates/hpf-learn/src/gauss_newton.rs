@@ -102,7 +102,7 @@ enum Stage {
 ///
 /// ```
 /// use hpf_learn::{Block, GaussNewton, GaussNewtonOptions, SignalGroup, SignalModel};
-/// // Two parameters, two signals: rho = (w0 - 3, w1 w1 - 4), so J is nought at w = (3, 2).
+/// // Two parameters, two signals: rho = (w0 - 3, w1 w1 - 4), so J is zero at w = (3, 2).
 /// let block = |name: &str| Block {
 ///     name: name.into(), count: 1, features: vec![], activations: vec![], min: 0.0, max: 10.0, noise: 0.5,
 /// };

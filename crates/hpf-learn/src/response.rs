@@ -105,7 +105,7 @@ pub(crate) struct Response {
     pub(crate) blocks: Vec<Range<usize>>,
     min: Vec<f64>,
     max: Vec<f64>,
-    /// Size of a perturbation; nought for a parameter that is not to be learned.
+    /// Size of a perturbation; zero for a parameter that is not to be learned.
     pub(crate) units: Vec<f64>,
     halvings: Vec<u32>,
     price: DMatrix<f64>,

@@ -111,7 +111,7 @@ pub(crate) struct Ranking(Vec<f64>);
 impl Ranking {
     /// Makes it that of so many rollouts.
     pub(crate) fn set(&mut self, count: usize) {
-        // A single rollout has the weight of nought by the formula, and all of it by being alone.
+        // A single rollout has the weight of zero by the formula, and all of it by being alone.
         let of_one = if count == 1 { 1.0 } else { 0.0 };
         let weigh = |i: usize| (libm::log(0.5 * (count + 1) as f64) - libm::log((i + 1) as f64)).max(of_one);
         self.0.clear();
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn ranks_weigh_as_cma_es_does_and_equals_share() {
-        // ln 2.5 - ln 1, ln 2.5 - ln 2, and nought: 0.9163, 0.2231.
+        // ln 2.5 - ln 1, ln 2.5 - ln 2, and zero: 0.9163, 0.2231.
         let sum = 0.916_290_731_874_155 + 0.223_143_551_314_209_7;
         let found = weights(&[4.0, 1.0, 9.0, 2.0], Temperature::Rank);
         for (found, expected) in

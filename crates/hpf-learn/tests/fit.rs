@@ -165,7 +165,7 @@ fn data_that_do_not_determine_the_weights_are_refused_without_a_penalty() {
     assert_eq!(ridge(&twice, 2, &[1.0, 2.0, 3.0], 0.0), Err(FitError::Singular), "one feature twice");
     let third: Vec<f64> = (0..10).flat_map(|i| [0.1 * f64::from(i), 1.0 / 3.0, 0.3 * f64::from(i) + 1.0]).collect();
     assert_eq!(ridge(&third, 3, &[1.0; 10], 0.0), Err(FitError::Singular), "a feature that is a sum of two others");
-    assert_eq!(ridge(&[0.0; 4], 2, &[1.0, 2.0], 0.0), Err(FitError::Singular), "features of nought");
+    assert_eq!(ridge(&[0.0; 4], 2, &[1.0, 2.0], 0.0), Err(FitError::Singular), "features of zero");
     assert_eq!(locally_weighted(&[1.0, 0.0], 2, &[1.0], &[1.0], 0.0), Err(FitError::Singular), "a silent function");
     for penalty in [1e-6, 1.0] {
         assert!(ridge(&too_few, 8, &[1.0, 2.0, 3.0], penalty).is_ok());
@@ -263,7 +263,7 @@ fn column(text: &str, column: usize) -> Vec<f64> {
     text.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect()
 }
 
-/// Central differences inside, one-sided ones at both ends, the last then set to nought.
+/// Central differences inside, one-sided ones at both ends, the last then set to zero.
 fn differences(times: &[f64], values: &[f64]) -> Vec<f64> {
     let last = values.len() - 1;
     let slope = |i: usize, j: usize| (values[j] - values[i]) / (times[j] - times[i]);

@@ -88,7 +88,7 @@ fn main() {
     });
 }
 
-/// The straight line nearest to the points: its slope, and its value at nought.
+/// The straight line nearest to the points: its slope, and its value at zero.
 fn line(x: [f64; 4], y: [f64; 4]) -> (f64, f64) {
     let mean = |values: [f64; 4]| values.iter().sum::<f64>() / 4.0;
     let (x_mean, y_mean) = (mean(x), mean(y));

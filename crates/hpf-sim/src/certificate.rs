@@ -90,7 +90,7 @@ impl Policy {
     /// The certificate of each axis, in axis order.
     ///
     /// # Errors
-    /// [`ConfigError`] for a rate or cut-off that is not positive, a delay, load, lag, mass or damping below nought, and a
+    /// [`ConfigError`] for a rate or cut-off that is not positive, a delay, load, lag, mass or damping that is negative, and a
     /// schedule of too many steps.
     pub fn certify(&self, conditions: &Conditions) -> Result<Vec<Certificate>, ConfigError> {
         let Conditions { rate, delay, load, cutoff, lag, contact } = *conditions;

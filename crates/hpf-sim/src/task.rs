@@ -272,12 +272,12 @@ pub struct ViaPoint {
     pub time: Option<f64>,
     /// Where to pass, one number per axis [axis unit].
     pub position: Vec<f64>,
-    /// How near is near enough, where it is passed at any time [axis unit]; left out, nought.
+    /// How near is near enough, where it is passed at any time [axis unit]; left out, zero.
     #[schemars(range(min = 0))]
     pub radius: Option<f64>,
 }
 
-/// Weights of the cost terms; each term but `via_distance` is half the weight times a square. Nought leaves a term out.
+/// Weights of the cost terms; each term but `via_distance` is half the weight times a square. Zero leaves a term out.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]

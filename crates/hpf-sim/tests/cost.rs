@@ -9,7 +9,7 @@ use hpf_sim::{Policy, Simulation, Task, Trace};
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
 
-/// The task with the weights of `cost` alone, and a motion in it that has nothing equal to nought.
+/// The task with the weights of `cost` alone, and a motion in it that has nothing equal to zero.
 fn motion(text: &str, cost: CostWeights) -> (Simulation, Trace) {
     let mut task = Task::parse(text).unwrap();
     task.cost = cost;

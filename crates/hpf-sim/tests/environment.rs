@@ -95,7 +95,7 @@ fn a_sine_is_followed_to_second_order() {
     let (amplitude, period, start) = (10.0, 0.5, 0.4_f64);
     let omega = 2.0 * core::f64::consts::PI / period;
     let text = disturbance(&format!("kind = \"sine\"\namplitude = {amplitude}\nperiod = {period}\nphase = {start}"));
-    // d e' + k e = A sin(w t + p) from rest: the steady swing, and what makes it start at nought.
+    // d e' + k e = A sin(w t + p) from rest: the steady swing, and what makes it start at zero.
     let square = K * K + D * D * omega * omega;
     let steady = |t: f64| amplitude / square * (K * (omega * t + start).sin() - D * omega * (omega * t + start).cos());
     let exact = |t: f64| REST + steady(t) - steady(0.0) * (-K / D * t).exp();

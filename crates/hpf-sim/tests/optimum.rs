@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 struct Oracle {
     task: Task,
     simulation: Simulation,
-    /// All weights, the movement's nought.
+    /// All weights, the movement's zero.
     base: Vec<f64>,
     /// Where the movement's weights stand among all.
     places: Vec<usize>,

@@ -21,7 +21,7 @@ fn columns_of_every_kind_are_read_in_any_order() {
     let text = "# made by hand\nx_force_n,time_s,x_m,j_rad,j_torque_nm,x_emg\n\
                 1,10,0,5,2,-1\n1,10.5,1,5,2,-1\n1,11,2,5,2,-1\n1,12,3,5,2,-1\n1,13,4,5,2,-1\n";
     let found = Demonstration::parse(text).unwrap();
-    assert_eq!(found.time, [0.0, 0.5, 1.0, 2.0, 3.0], "time starts at nought");
+    assert_eq!(found.time, [0.0, 0.5, 1.0, 2.0, 3.0], "time starts at zero");
     assert_eq!(
         found.axes.iter().map(|axis| (axis.name.as_str(), axis.unit)).collect::<Vec<_>>(),
         [("x", Unit::M), ("j", Unit::Rad)]

@@ -138,7 +138,7 @@ return_type HpfController::update(const rclcpp::Time &, const rclcpp::Duration &
   }
   // A driver that repeats old readings must say how old: input_.force_age, in periods.
   input_.request = request_.exchange(HPF_NO_REQUEST);
-  // A period of nought, as at the first update, repeats the last command.
+  // A period of zero, as at the first update, repeats the last command.
   if (hpf_f64_update(controller_, &input_, period.seconds(), &output_) != HPF_OK) return return_type::ERROR;
   for (std::size_t i = 0; i < axes; ++i) static_cast<void>(command_interfaces_[i].set_value(output_.axis[i].position));
   return return_type::OK;

@@ -127,7 +127,7 @@ impl Axis {
         match self.scale {
             Scale::Linear | Scale::Counted | Scale::Named => linear(self.low, value, self.high),
             Scale::Reversed => 1.0 - linear(self.low, value, self.high),
-            // Nought and less lie endlessly far below: a line to them leaves the box downwards.
+            // Zero and less lie endlessly far below: a line to them leaves the box downwards.
             Scale::Logarithmic if value <= 0.0 => -100.0,
             Scale::Logarithmic => linear(self.low.log10(), value.max(LARGEST.recip()).log10(), self.high.log10()),
         }
@@ -328,6 +328,6 @@ mod tests {
         assert_eq!(labels(&axis(1e-6, 1e2), 5.0), ["10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"]);
         assert_eq!(labels(&axis(2.0, 7.0), 8.0), ["2", "3", "4", "5", "6", "7"]);
         assert_eq!(axis(0.01, 100.0).share(1.0), 0.5);
-        assert!(axis(0.01, 100.0).share(0.0) < -1.0, "nought leaves the box");
+        assert!(axis(0.01, 100.0).share(0.0) < -1.0, "zero leaves the box");
     }
 }

@@ -16,7 +16,7 @@ pub struct Bitmap {
     /// Red, green and blue of each pixel, row by row.
     pixels: Vec<u8>,
     size: (usize, usize),
-    /// How much of each pixel the stroke at hand covers, in 255ths; nought between strokes.
+    /// How much of each pixel the stroke at hand covers, in 255ths; zero between strokes.
     coverage: Vec<u8>,
 }
 

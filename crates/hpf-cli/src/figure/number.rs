@@ -1,6 +1,6 @@
 //! Numbers as figures write them.
 
-/// A number as it is written in figures: with a true minus, and nought without one.
+/// A number as it is written in figures: with a true minus, and zero without one.
 pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

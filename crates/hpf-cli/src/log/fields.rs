@@ -58,7 +58,7 @@ const LONGEST_COMPRESSION: u32 = 32;
 pub struct Chunk<'a> {
     /// Length of its records [bytes]; `u64::MAX` in a chunk that was never closed.
     pub size: u64,
-    /// CRC-32 of its records; nought where there is none.
+    /// CRC-32 of its records; zero where there is none.
     pub crc: u32,
     /// How they are compressed.
     pub compression: String,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! bytes    0 1 0 0, little-endian; then the fields in their order, numbers at multiples of their size from there
-//! text     its length with the final nought in 4 bytes, its bytes, a nought
+//! text     its length with the terminating zero byte in 4 bytes, its bytes, a zero byte
 //! list     its count in 4 bytes, its elements
 //! ```
 

@@ -260,7 +260,7 @@ pub fn attachment(data: &[u8]) -> Option<Attachment<'_>> {
     Some(Attachment { log_time, create_time, name, media_type, data: Cow::Borrowed(fields.bytes(length)?) })
 }
 
-/// The checksum of an attachment whose fields and checksum fill its record; nought where it has none.
+/// The checksum of an attachment whose fields and checksum fill its record; zero where it has none.
 fn attachment_crc(data: &[u8]) -> Option<u32> {
     let (front, crc) = data.split_last_chunk::<4>()?;
     let found = attachment(front)?;

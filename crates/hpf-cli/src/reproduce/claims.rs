@@ -215,7 +215,7 @@ fn constant_force() -> Result<Claim, Failure> {
         ours: format!("read literally, the tool ends {} off even at 400 N/m", value(error, "m")),
         holds: Some(error.abs() <= PAPER_DEVIATION),
         because: "at rest the offset is force by stiffness, whatever was learned; the error of the contact force, which is \
-                  nought where the tool presses as it should, fits \"while maintaining a constant contact force\"",
+                  zero where the tool presses as it should, fits \"while maintaining a constant contact force\"",
         numbers: vec![number(
             "tool off its goal at the end, at 400 N/m",
             "m",

@@ -29,7 +29,7 @@ pub fn decisions(beam: &Cantilever) -> Vec<Decision> {
             "`tau^2 x'' = alpha (beta (g - x) - tau x') + F`",
         ),
         ("basis", "centers and widths not given", "equally spaced in time, neighbours meet at 0.6; 20 functions"),
-        ("start of the weights", "not given", "nought: the bare pull to the goal"),
+        ("start of the weights", "not given", "zero: the bare pull to the goal"),
         ("integration", "not given", "exact steps, parameters at mid-step: second order"),
         (
             "bounds of stiffness and damping",

@@ -14,7 +14,7 @@
 //! | f | `force` of the environment ON the tool | N or N m |
 //! | m | `mass` | kg or kg m^2 |
 //! | d | `damping` | N s/m or N m s/rad |
-//! | k | `stiffness`, may be nought | N/m or N m/rad |
+//! | k | `stiffness`, may be zero | N/m or N m/rad |
 //! | h | `dt` | s |
 //!
 //! G1 and G2 come from the Taylor series of phi, which every damping regime shares, where `max(2a, sqrt(w2)) h <= 1/2`.

@@ -47,7 +47,7 @@ pub struct Output<T, const D: usize> {
     pub phase: T,
     /// Rate at which time has run along the path.
     pub rate: T,
-    /// Energy in the tank [J]; nought without one.
+    /// Energy in the tank [J]; zero without one.
     pub energy: T,
     /// Energy at the physical port [J]; zero without one.
     pub port_energy: T,

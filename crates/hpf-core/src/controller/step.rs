@@ -207,7 +207,7 @@ fn give_way<T: Real>(law: Option<Inertial<T>>, before: OffsetMotion<T>, gains: [
 /// [`give_way`] to a force and a set-point p, of which the part q = c p acts that the tank can pay for; also whether
 /// that is less than all. Takes what q costs at most, `q (e+ - e)`, out of what is `left` [J].
 ///
-/// The step is affine in q, so the cost is convex in c, and nought at nought: the part c `left`/cost of a c that costs
+/// The step is affine in q, so the cost is convex in c, and zero at zero: the part c `left`/cost of a c that costs
 /// too much costs `left` at most.
 #[inline(never)]
 fn press<T: Real + PartialOrd>(

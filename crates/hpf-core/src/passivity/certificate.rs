@@ -8,11 +8,11 @@ use crate::admittance::step_offset;
 /// [N/m] and damping [N s/m] of steps of `dt` [s], each held over its step.
 ///
 /// A tool that starts at rest never gives more than it was given iff `p' = -(k - p)^2/(2 d)`, `p(0) = +inf`, stays
-/// above nought: `p e^2/2` is the least energy that must have been put in to be at e. Exact step for held gains:
-/// `q = p - k`, `q <- q/(1 + q h/(2 d))`; a denominator of nought or less is an escape to minus infinity.
+/// above zero: `p e^2/2` is the least energy that must have been put in to be at e. Exact step for held gains:
+/// `q = p - k`, `q <- q/(1 + q h/(2 d))`; a denominator of zero or less is an escape to minus infinity.
 ///
 /// It decides for `m e'' + d e' + k e = f` too, whatever the mass: `int f e' = m v^2/2 + k e^2/2 + int (d v^2 - k' e^2/2)`,
-/// and the mass adds to the least of it only `m v^2/2`, which is nought at rest.
+/// and the mass adds to the least of it only `m v^2/2`, which is zero at rest.
 ///
 /// ```
 /// use hpf_core::passivity::first_order_fails_at;

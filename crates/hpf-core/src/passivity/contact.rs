@@ -342,7 +342,7 @@ impl ForceLoop {
     }
 
     /// Calls `meet` at every angle on the upper half of the circle where `level` changes its sign, with whether it falls;
-    /// at last at -1, where every level is nought. `peaks` are angles around which the level may change in less than the
+    /// at last at -1, where every level is zero. `peaks` are angles around which the level may change in less than the
     /// angles' distance.
     fn around(&self, peaks: [f64; 2], level: impl Fn(&Angle) -> f64, mut meet: impl FnMut(&Angle, bool)) {
         let even = PER_TURN * (self.delay[0] as u32 + 8);

@@ -86,7 +86,7 @@ impl<T: Real> EnergyTank<T> {
     #[inline]
     pub fn valve(&self, left: T, step: T) -> T {
         let open = (T::of(VALVE) * (self.capacity - self.reserve)).at_least(T::of(VALVE_STEPS) * step);
-        // A tank that can spend nothing is shut; a set-point of nought costs nothing.
+        // A tank that can spend nothing is shut; a set-point of zero costs nothing.
         left.select_below(open, left / open, T::ONE)
     }
 

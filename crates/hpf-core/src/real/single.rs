@@ -3,7 +3,7 @@
 //! `x = n ln 2 + r`, n whole, `|r| <= ln(2)/2`; `e^r - 1 = r + r^2 (1/2 + r/6 + ... + r^5/5040)`, the first term left
 //! out below 2e-8 of the sum; `e^x = 2^n (1 + (e^r - 1))`, `e^x - 1 = 2^n (e^r - 1) + (2^n - 1)`. Within 2 units in the
 //! last place of the exact value, the same bits on every machine. Above 87, near overflow, libm answers; below -87, near
-//! subnormal numbers, `e^x` is nought.
+//! subnormal numbers, `e^x` is zero.
 
 use core::f32::consts::LOG2_E;
 
@@ -16,7 +16,7 @@ const ROUND: f32 = 12_582_912.0;
 /// ln 2 in two parts: times any n the first is exact.
 const LN_2: [f32; 2] = [355.0 / 512.0, -2.121_944_4e-4];
 
-/// Below this magnitude n is nought.
+/// Below this magnitude n is zero.
 const SMALL: f32 = 0.34;
 
 /// `e^r - 1` of a small `r`.

@@ -296,7 +296,7 @@ fn at_the_wall_only_outward_motion_is_cut() {
 
 #[test]
 fn single_precision_reaches_its_goal() {
-    // A state that held the position itself would stop 2 um to 200 um short: its last steps round to nought.
+    // A state that held the position itself would stop 2 um to 200 um short: its last steps round to zero.
     for (duration, rate) in [(1.0, 1000.0), (10.0, 8000.0)] {
         let mut rig = Rig::<f32, 1>::started(KIND, settings(), duration);
         rig.dt = 1.0 / rate;

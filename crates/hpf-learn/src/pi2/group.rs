@@ -18,7 +18,7 @@ pub(super) const MEMBERS: usize = 8;
 pub(super) struct Group {
     /// Which take part: those that are there and cost a finite amount.
     pub(super) is_kept: [bool; MEMBERS],
-    /// S of each tile of steps, then what it weighs, a pack of each rollout; of those that take no part NaN, then nought.
+    /// S of each tile of steps, then what it weighs, a pack of each rollout; of those that take no part NaN, then zero.
     pub(super) shares: Vec<[Pack; MEMBERS]>,
     /// Of each tile, and of all groups that were joined to this one, as the sums and the change below.
     pub(super) least: Vec<Pack>,

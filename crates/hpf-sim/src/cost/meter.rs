@@ -95,7 +95,7 @@ pub(crate) struct Bill<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Bill<'a, N> {
-    /// An empty bill; `running` holds a nought for every step.
+    /// An empty bill; `running` holds a zero for every step.
     pub(crate) fn new(running: &'a mut [[f64; N]]) -> Self {
         Self { running, terms: [Lanes::ZERO; Term::ALL.len()], terminal: Lanes::ZERO }
     }
@@ -203,7 +203,7 @@ impl<const N: usize> Meter<'_, '_, N> {
         ];
         let mut all = Lanes(self.bill.running[step]);
         for (sum, (factor, squares)) in self.sums.iter_mut().zip(terms) {
-            // A weight of nought leaves a term out: it does not make a NaN of an infinity.
+            // A weight of zero leaves a term out: it does not make a NaN of an infinity.
             if factor > 0.0 {
                 let cost = Lanes::of(factor) * squares;
                 *sum += cost;

@@ -73,7 +73,7 @@ impl Alignment {
             let rectified: Vec<f64> = values.iter().map(|value| value.abs()).collect();
             let even = resample_linear(time, &rectified, grid(own, duration));
             let smooth = low_pass(&even, self.emg_cut_off * dt);
-            // The filter swings below nought after a burst; activity does not.
+            // The filter becomes negative after a burst; activity does not.
             onto_policy(&smooth).into_iter().map(|value| value.max(0.0)).collect()
         };
         AlignedAxis {

@@ -119,7 +119,7 @@ impl Work<'_> {
             }
             StiffnessFrom::Emg => {
                 let activity = self.signal(a, |axis| axis.emg.as_deref(), ["emg"; 2], "stiffness from emg")?;
-                let reason = "the muscle activity is nought throughout";
+                let reason = "the muscle activity is zero throughout";
                 all(&gains::from_emg(&activity, bounds).ok_or_else(|| uninformative(reason))?)
             }
             StiffnessFrom::Force => {

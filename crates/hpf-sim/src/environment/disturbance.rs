@@ -33,7 +33,7 @@ pub enum Disturbance {
     Table(Table),
 }
 
-fn nought() -> Quantity {
+fn zero() -> Quantity {
     Quantity::Fixed(0.0)
 }
 

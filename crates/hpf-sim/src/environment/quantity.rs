@@ -74,7 +74,7 @@ impl Quantity {
 
 /// The number below which a standard normal one lies with this `probability`.
 fn normal_quantile(probability: f64) -> f64 {
-    // Nothing beyond nine deviations is ever drawn: a share of 1e-19 is nought or one.
+    // Nothing beyond nine deviations is ever drawn: a share of 1e-19 is zero or one.
     let (mut low, mut high) = (-9.0, 9.0);
     for _ in 0..f64::MANTISSA_DIGITS + 4 {
         let middle = 0.5 * (low + high);

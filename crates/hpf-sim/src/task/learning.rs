@@ -224,7 +224,7 @@ pub struct CovarianceKind {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InitialPath {
-    /// The bare pull to the goal: all weights nought.
+    /// The bare pull to the goal: all weights zero.
     Pull,
     /// Minimum jerk from start to goal, fitted.
     MinimumJerk,

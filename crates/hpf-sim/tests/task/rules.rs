@@ -50,9 +50,9 @@ fn goal_scaling_needs_a_goal_away_from_the_start() {
     for scaling in ["\"unit\"", "{ amplitude = 0.5 }"] {
         assert!(Task::parse(&text.replace("scaling = \"goal\"", &format!("scaling = {scaling}"))).is_ok());
     }
-    let nought = "a forcing scale of 0 leaves nothing to learn";
+    let no_scale = "a forcing scale of 0 leaves nothing to learn";
     let help = "`amplitude` must be a number other than 0";
-    one(VIA_POINT, ("scaling = \"goal\"", "scaling = { amplitude = [1, 0] }"), "0", nought, help);
+    one(VIA_POINT, ("scaling = \"goal\"", "scaling = { amplitude = [1, 0] }"), "0", no_scale, help);
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub struct Sine {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub period: Quantity,
     /// Phase at the start [rad].
-    #[serde(default = "super::nought")]
+    #[serde(default = "super::zero")]
     pub phase: Quantity,
     /// How long it swings [s]; left out, for ever.
     #[schemars(extend("exclusiveMinimum" = 0))]
