@@ -208,6 +208,24 @@ fn the_paper_preset_and_the_minimum_jerk_start_learn_too() {
 }
 
 #[test]
+fn the_next_step_is_one_that_the_duration_allows() {
+    let folder = folder();
+    for (duration, rate, next) in [
+        ("1.0", "100", "hpf run r --rate 1000\n"),
+        ("1.2345", "2000", "hpf run r\n"),
+        ("0.0015", "2000", "hpf run r\n"),
+    ] {
+        let keys = [format!("duration={duration}"), format!("rate={rate}")];
+        let task = task("reach.toml");
+        let args =
+            ["learn", &task, "--out", "r", "--force", "--set", "accept={}", "--set", &keys[0], "--set", &keys[1]];
+        let (stdout, _) = expect(0, folder.path(), &args);
+        assert!(stdout.ends_with(&format!("next: {next}")), "{stdout}");
+        expect(0, folder.path(), &next.split_whitespace().skip(1).collect::<Vec<_>>());
+    }
+}
+
+#[test]
 fn a_start_that_no_controller_takes_is_refused_before_it_is_learned() {
     let folder = folder();
     // The spring falls behind its own pull: the weights of a smooth path grow with alpha squared.

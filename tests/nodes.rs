@@ -38,7 +38,7 @@ fn force_replaces_regular_files_only() {
     }
     let kind = |name: &str| path(name).symlink_metadata().unwrap().file_type();
     let before: Vec<_> = nodes.iter().map(|name| kind(name)).collect();
-    let commands: [&[&str]; 9] = [
+    let commands: [&[&str]; 12] = [
         &["schema"],
         &["completions", "bash"],
         &["init", "reach"],
@@ -48,6 +48,9 @@ fn force_replaces_regular_files_only() {
         &["learn", "run/task.toml", "--quiet"],
         &["run", "run"],
         &["imitate", "run"],
+        &["plot", "run"],
+        &["manual"],
+        &["sweep", "run/task.toml", "--seeds", "1"],
     ];
     for node in &nodes {
         for arguments in commands {

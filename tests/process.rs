@@ -87,6 +87,49 @@ fn the_example_meets_its_targets_and_gives_the_same_bytes_for_any_number_of_work
 }
 
 #[test]
+fn a_motion_that_fails_after_learning_costs_no_result_and_is_named() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder();
+    let settings = ["environment.workers=1", "environment.timeout=60.0", "learning.max_rollouts=40"];
+    learn(3, folder.path(), &["python3", &example()], "whole", &[&settings[..], &["accept.max_cost=0"]].concat());
+    let whole = json(folder.path().join("whole/summary.json"));
+    let last = whole["rollouts_total"].as_u64().unwrap();
+    for (failure, words) in [
+        ("answer = dict(type='done', id=answer['id'], error='a joint limit')", "a joint limit"),
+        ("answer['axes'][0]['position'] = [1e308] * len(answer['axes'][0]['position'])", "has no finite cost"),
+    ] {
+        let text = format!(
+            "import json, subprocess, sys\n\
+             pipe = subprocess.PIPE\n\
+             child = subprocess.Popen([sys.executable, {:?}], stdin=pipe, stdout=pipe, text=True)\n\
+             for n, line in enumerate(sys.stdin):\n    \
+                 child.stdin.write(line)\n    child.stdin.flush()\n    \
+                 answer = json.loads(child.stdout.readline())\n    \
+                 if n == {last}: {failure}\n    \
+                 print(json.dumps(answer), flush=True)\n",
+            example()
+        );
+        let program = folder.path().join("failing.py");
+        fs::write(&program, text).unwrap();
+        let program = program.display().to_string();
+        let (_, stderr) = learn(1, folder.path(), &["python3", &program], "run", &settings);
+        assert!(stderr.contains("the motion that was learned failed") && stderr.contains(words), "{stderr}");
+        for file in ["policy.json", "learning.csv"] {
+            let of = |run: &str| lines(&folder.path().join(run).join(file));
+            assert_eq!(of("run"), of("whole"), "{file} differs");
+        }
+        let summary = json(folder.path().join("run/summary.json"));
+        assert_eq!(summary["rollouts_total"].as_u64(), Some(last));
+        // Of a motion as planned the gains are all that is measured.
+        let metrics = summary["metrics"].as_array().unwrap();
+        assert!(metrics.iter().all(|metric| metric["value"].is_number()), "{summary}");
+        fs::remove_dir_all(folder.path().join("run")).unwrap();
+    }
+}
+
+#[test]
 fn costs_alone_are_learned_too_and_a_kill_or_ctrl_c_is_gone_on_from() {
     if !has_python() {
         return;

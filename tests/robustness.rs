@@ -260,12 +260,12 @@ fn a_damaged_run_directory_is_refused_by_the_name_of_the_damaged_file() {
         ["task.toml", "policy.json", "learning.csv", "trajectory.csv", "snapshots/2.csv", "summary.json", "log.mcap"];
     let commands: [(&[&str], &[&str]); 7] = [
         (&["recover", "run/log.mcap", "--out", "rescued.mcap", "--force"], &["log.mcap"]),
-        (&["run", "run"], &["task.toml", "policy.json"]),
-        (&["check", "run"], &["task.toml", "policy.json"]),
+        (&["run", "run"], &["task.toml", "policy.json", "summary.json"]),
+        (&["check", "run"], &["task.toml", "policy.json", "summary.json"]),
         (&["info", "run"], &["summary.json", "policy.json"]),
         (&["info", "run/log.mcap"], &["log.mcap"]),
-        (&["export", "run", "--format", "c", "--out", "-"], &["policy.json"]),
-        (&["plot", "run", "--out", "figures", "--force"], &names[..5]),
+        (&["export", "run", "--format", "c", "--out", "-"], &["policy.json", "summary.json"]),
+        (&["plot", "run", "--out", "figures", "--force"], &names[..6]),
     ];
     for name in names {
         let whole = fs::read(run.join(name)).unwrap();
@@ -405,6 +405,16 @@ fn a_policy_that_is_not_the_one_its_run_was_finished_with_is_refused_wherever_th
             code == 2 && stderr.contains("policy_sha256") && stderr.contains("policy.json"),
             "{arguments:?}: {stderr}"
         );
+    }
+    // A summary that says nothing of its policy verifies none.
+    let summary = read(run.join("summary.json"));
+    let unsaid = summary.replacen("policy_sha256", "policy_sha", 1);
+    for damaged in ["", &summary[..300], &unsaid] {
+        fs::write(run.join("summary.json"), damaged).unwrap();
+        for arguments in commands {
+            let (code, stderr) = try_hpf(folder.path(), arguments);
+            assert!(code == 2 && stderr.contains("summary.json"), "{arguments:?} of {damaged:?}: {stderr}");
+        }
     }
     // Taken out of the run it is a policy like any other.
     fs::write(folder.path().join("policy.json"), &other).unwrap();

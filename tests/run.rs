@@ -189,6 +189,19 @@ fn a_run_off_the_clock_or_the_goal_of_its_task_says_so() {
 }
 
 #[test]
+fn a_force_away_from_the_contact_is_warned_of() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("wall.toml"), "--quiet", "--set", "accept={}"]);
+    for (press, is_away) in [("5.0", false), ("-5.0", true)] {
+        std::fs::write(folder.path().join("settings.toml"), format!("press = {press}\n")).unwrap();
+        let args = ["run", "runs/wall", "--controller", "--settings", "settings.toml", "--rate", "1000"];
+        let output = crate::support::hpf(folder.path(), &args);
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(stderr.contains("`press` points away from the contact"), is_away, "{press}: {stderr}");
+    }
+}
+
+#[test]
 fn the_promises_of_limits_and_tank_can_be_checked_from_the_tables() {
     let folder = folder();
     expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);

@@ -25,7 +25,6 @@ mod surface;
 mod text;
 mod vector;
 
-use std::fs;
 use std::path::Path;
 
 use hpf_sim::environment::Contact;
@@ -34,7 +33,7 @@ use rayon::prelude::*;
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::{self, while_writing};
+use crate::files::{self, make_folder, while_writing};
 use crate::results::Run;
 use crate::sinks::guarded;
 
@@ -108,7 +107,7 @@ fn is_plane(run: &Run) -> bool {
 /// # Errors
 /// [`Failure::Work`] that names the file; a figure is under its own name whole or not at all.
 pub fn draw(figures: &[Drawing<'_>], subject: &str, format: Format, folder: &Path) -> Result<Vec<String>, Failure> {
-    fs::create_dir_all(folder).map_err(while_writing(folder))?;
+    make_folder(folder)?;
     figures.par_iter().map(|drawing| draw_one(drawing, subject, format, folder)).collect()
 }
 

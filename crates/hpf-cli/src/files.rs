@@ -203,17 +203,19 @@ pub fn read_policy(path: &Path) -> Result<Policy, Failure> {
 /// Refuses a policy that is not the one its run was finished with: costs and measures beside it are of another.
 fn refuse_foreign(path: &Path, text: &str) -> Result<(), Failure> {
     let summary = path.with_file_name(SUMMARY);
-    if path.file_name().is_none_or(|name| name != POLICY) || !summary.is_file() {
+    if path.file_name().is_none_or(|name| name != POLICY) || summary.symlink_metadata().is_err() {
         return Ok(());
     }
-    // A summary that is damaged is refused where it is read; what it does not say cannot be wrong.
-    let said: Option<Value> = read_text(&summary).ok().and_then(|text| serde_json::from_str(&text).ok());
-    match said.as_ref().and_then(|summary| summary["policy_sha256"].as_str()) {
-        Some(said) if said != sha256(text) => Err(in_file(path)(format!(
-            "this is not the policy that the run was finished with: {SUMMARY} says policy_sha256 {said}; copy it out of \
-             the run directory to use it as it is"
+    const REMEDY: &str = "copy the policy out of the run directory to use it as it is";
+    let said: Value = serde_json::from_str(&read_text(&summary)?).map_err(|error| {
+        in_file(&summary)(format!("damaged, so that its policy cannot be verified: {error}; {REMEDY}"))
+    })?;
+    match said["policy_sha256"].as_str() {
+        Some(said) if said == sha256(text) => Ok(()),
+        Some(said) => Err(in_file(path)(format!(
+            "this is not the policy that the run was finished with: {SUMMARY} says policy_sha256 {said}; {REMEDY}"
         ))),
-        _ => Ok(()),
+        None => Err(in_file(&summary)(format!("no policy_sha256, so that its policy cannot be verified; {REMEDY}"))),
     }
 }
 
@@ -274,6 +276,17 @@ pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
     nodes::replaceable(target).map_err(in_file(target))
 }
 
+/// Makes the folder `path` for results, and those above it.
+///
+/// # Errors
+/// [`Failure::Input`] where something else stands there; [`Failure::Work`] from the system.
+pub fn make_folder(path: &Path) -> Result<(), Failure> {
+    if let Some(words) = nodes::in_the_place_of_a_folder(path) {
+        return Err(in_file(path)(format!("this is {words}, and results go into a directory: pass another --out")));
+    }
+    fs::create_dir_all(path).map_err(while_writing(path))
+}
+
 /// Writes the file `target` and the folders above it, where nothing stands or it may be replaced.
 ///
 /// # Errors
@@ -281,7 +294,7 @@ pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
 pub fn place(target: &Path, bytes: &[u8], force: bool) -> Result<(), Failure> {
     refuse_occupied(target, force)?;
     if let Some(folder) = target.parent() {
-        fs::create_dir_all(folder).map_err(while_writing(folder))?;
+        make_folder(folder)?;
     }
     write(target, bytes)
 }

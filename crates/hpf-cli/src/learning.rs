@@ -84,11 +84,13 @@ pub fn learn(loaded: &LoadedTask, folder: &mut Unfinished, quiet: bool) -> Resul
             let failure = || process.failure();
             let mut learned =
                 pool.install(|| learn_in(&process, &simulation, (loaded, &start), folder, quiet, &failure))?;
+            learned.is_planned = true;
             if process.leaves_traces() && !learned.is_open() && learned.failure.is_none() {
-                learned.run.trajectory = process.motion(&learned.history.best.weights)?;
                 learned.history.rollouts += 1;
-            } else {
-                learned.is_planned = true;
+                match process.motion(&learned.history.best.weights)? {
+                    Ok(trace) => (learned.run.trajectory, learned.is_planned) = (trace, false),
+                    Err(why) => learned.failure = Some(format!("the motion that was learned failed: {why}")),
+                }
             }
             // An update whose motions all fail is no end of learning where a robot made them.
             learned.is_mendable = true;

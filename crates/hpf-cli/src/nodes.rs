@@ -44,6 +44,12 @@ pub fn replaceable(path: &Path) -> io::Result<()> {
     }
 }
 
+/// What stands at `path` where a directory is wanted, or a link to one, in words; nothing there is fine.
+pub fn in_the_place_of_a_folder(path: &Path) -> Option<&'static str> {
+    let metadata = path.symlink_metadata().ok().filter(|_| !path.is_dir())?;
+    Some(strange(metadata.file_type()).unwrap_or("a file"))
+}
+
 /// Opens a file to read it, without waiting for anybody.
 ///
 /// # Errors

@@ -145,15 +145,18 @@ impl<'s> Process<'s> {
         lock(&self.failure).clone()
     }
 
-    /// One more motion, for its trace.
+    /// One more motion, for its trace; `Err` in the answer says why it failed.
     ///
     /// # Errors
-    /// [`Failure::Work`] where it failed, [`Failure::Interrupted`].
-    pub fn motion(&self, weights: &[f64]) -> Result<Trace, Failure> {
+    /// [`Failure::Work`] where no motion can be made, [`Failure::Interrupted`].
+    pub fn motion(&self, weights: &[f64]) -> Result<Result<Trace, String>, Failure> {
         let mut trace = self.simulation.blank_trace();
         match self.answer(Draws::HeldOut, Parameters::Constant(weights), &mut trace) {
-            Some(Answer::Trace) => Ok(trace),
-            Some(Answer::Failed(why)) => Err(Failure::Work(format!("the motion that was learned failed: {why}"))),
+            Some(Answer::Trace) if !self.simulation.cost(&trace).total().is_finite() => {
+                Ok(Err("its trace has no finite cost".into()))
+            }
+            Some(Answer::Trace) => Ok(Ok(trace)),
+            Some(Answer::Failed(why)) => Ok(Err(why)),
             _ => Err(match self.failure() {
                 Some(why) => Failure::Work(why),
                 None => Failure::Interrupted("what was learned is not moved yet".into()),

@@ -51,9 +51,11 @@ impl<T: Real, S: AsRef<[T]>> Movement<T, S> {
         let [least, most] = ALPHA;
         error::within("alpha", alpha, least, most)?;
         error::number("forcing_scale", forcing_scale)?;
-        let largest = weights.as_ref().iter().fold(T::ZERO, |largest, weight| largest.max(weight.abs()));
-        error::within("movement.weights", largest, 0.0, LARGEST)?;
-        error::within("forcing_scale times weights", forcing_scale.abs() * largest, 0.0, LARGEST_FORCING)?;
+        for weight in weights.as_ref() {
+            error::number("movement.weights", *weight)?;
+            let forcing = forcing_scale * *weight;
+            error::within("forcing_scale times weights", forcing, -LARGEST_FORCING, LARGEST_FORCING)?;
+        }
         Ok(Self { start, goal, alpha, forcing_scale, weights })
     }
 

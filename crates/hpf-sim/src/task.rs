@@ -7,6 +7,7 @@
 mod basis;
 mod keys;
 mod learning;
+mod per_axis;
 mod process;
 mod reading;
 mod repair;
@@ -28,9 +29,9 @@ pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
     TemperatureKind,
 };
-pub use sizes::MAX_MEMORY;
-
+pub use per_axis::PerAxis;
 pub use process::{Environment, Process};
+pub use sizes::MAX_MEMORY;
 
 /// Most axes a task may have.
 pub const MAX_AXES: usize = 7;
@@ -40,6 +41,8 @@ pub const MAX_BASIS: usize = 1000;
 pub const MAX_STEPS: usize = 1_000_000;
 /// Most numbers of one table that learning works on, at 8 bytes each; all together need at most [`MAX_MEMORY`].
 pub const MAX_NUMBERS: usize = 50_000_000;
+/// How far from whole a number of steps may be that counts as whole, as a share of it.
+const WHOLE_STEPS: f64 = 1e-6;
 /// Largest task file read [bytes].
 pub const MAX_TASK_BYTES: usize = 1 << 20;
 /// Distance from the goal, as a share of that at the duration, to which the reference settles within the rest time.
@@ -119,7 +122,7 @@ pub struct Task {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(deny_unknown_fields)]
 pub struct Axis {
-    /// Name: a letter, then letters, digits or `_`.
+    /// Name: a letter, then up to 31 letters, digits or `_`.
     pub name: String,
     /// Unit of its position.
     #[serde(default)]
@@ -362,51 +365,6 @@ pub struct Accept {
     pub max_cost: Option<f64>,
 }
 
-/// A value for every axis: one number for all, or an array in axis order.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum PerAxis {
-    /// The same for all axes.
-    All(f64),
-    /// One per axis.
-    Each(Vec<f64>),
-}
-
-impl Default for PerAxis {
-    fn default() -> Self {
-        Self::All(0.0)
-    }
-}
-
-impl PerAxis {
-    /// How many values are written down, where there is one for each axis.
-    pub(crate) fn count(&self) -> Option<usize> {
-        match self {
-            Self::All(_) => None,
-            Self::Each(values) => Some(values.len()),
-        }
-    }
-
-    /// The value of axis `index`.
-    ///
-    /// # Panics
-    /// Where the array is shorter; a checked task's never is.
-    pub fn of(&self, index: usize) -> f64 {
-        match self {
-            Self::All(value) => *value,
-            Self::Each(values) => values[index],
-        }
-    }
-
-    /// All values written down.
-    pub fn values(&self) -> &[f64] {
-        match self {
-            Self::All(value) => core::slice::from_ref(value),
-            Self::Each(values) => values,
-        }
-    }
-}
-
 /// A mistake in a task file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -439,6 +397,12 @@ impl Task {
     /// Steps of one rollout: duration times rate.
     pub fn steps(&self) -> usize {
         (self.duration * self.rate).round() as usize
+    }
+
+    /// Whether the duration is a whole number of steps at `rate` [Hz], and no more than a rollout may have.
+    pub fn has_steps_at(&self, rate: f64) -> bool {
+        let steps = self.duration * rate;
+        (2.0..=MAX_STEPS as f64).contains(&steps.round()) && (steps - steps.round()).abs() <= WHOLE_STEPS * steps
     }
 
     /// Time [s] that a rollout goes on after the duration: the forcing term fades, then the reference settles to

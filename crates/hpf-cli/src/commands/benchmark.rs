@@ -1,6 +1,5 @@
 //! `hpf benchmark`: how many motions and seconds each method needs on every task.
 
-use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -8,7 +7,7 @@ use crate::benchmark::{Study, figures, json, markdown};
 use crate::cli::{Benchmark, Common};
 use crate::failure::{Failure, Outcome};
 use crate::figure::{self, Format};
-use crate::files::{self, while_writing};
+use crate::files::{self, make_folder};
 use crate::terminal::say;
 
 /// Runs `hpf benchmark`.
@@ -23,7 +22,7 @@ pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failur
         )));
     }
     // What cannot be written is told before minutes of learning, not after.
-    fs::create_dir_all(&folder).map_err(while_writing(&folder))?;
+    make_folder(&folder)?;
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
     let Some(study) = Study::learn(&options.task, seeds, options.motions, common.quiet)? else {

@@ -47,8 +47,10 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         } else if loaded.task.environment.is_some() {
             // What a process makes of the policy, hpf cannot simulate.
             format!("hpf check {place}")
-        } else {
+        } else if loaded.task.has_steps_at(1000.0) {
             format!("hpf run {place} --rate 1000")
+        } else {
+            format!("hpf run {place}")
         };
         let mut notes: Vec<String> = learned.history.notes.iter().map(ToString::to_string).collect();
         notes.extend(log::time_note(&loaded.task));
@@ -56,7 +58,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     }
     match &learned.failure {
         Some(reason) => {
-            let failure = Failure::Work(format!("{reason}; the best policy before that is in {place}"));
+            let failure = Failure::Work(format!("{reason}; the best policy is in {place}"));
             let go_on = format!("go on from there with: hpf learn --resume {place}");
             Err(if learned.is_open() { failure.with(&go_on) } else { failure })
         }

@@ -1,6 +1,5 @@
 //! `hpf manual`: a manual page per command.
 
-use std::fs;
 use std::path::Path;
 
 use clap::CommandFactory as _;
@@ -9,7 +8,7 @@ use serde_json::json;
 
 use crate::cli::{Arguments, Common};
 use crate::failure::{Failure, Outcome};
-use crate::files::{refuse_occupied, while_writing, write};
+use crate::files::{make_folder, refuse_occupied, while_writing, write};
 use crate::render;
 use crate::terminal::say;
 
@@ -35,7 +34,7 @@ pub fn manual(common: &Common) -> Result<Outcome, Failure> {
     for (name, _) in &pages {
         refuse_occupied(&folder.join(name), common.force)?;
     }
-    fs::create_dir_all(folder).map_err(while_writing(folder))?;
+    make_folder(folder)?;
     for (name, page) in &pages {
         write(&folder.join(name), page)?;
     }

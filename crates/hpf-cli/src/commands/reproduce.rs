@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::cli::{Common, Reproduce};
 use crate::failure::{Failure, Outcome};
 use crate::figure::{self, Format};
-use crate::files::{self, in_file, read_text, while_writing};
+use crate::files::{self, in_file, make_folder, read_text};
 use crate::reproduce::{
     Claim, Study, Variant, claims, difference, json as claims_json, markdown, of_first_seed, over_seeds, placed,
     variants,
@@ -35,7 +35,7 @@ pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failur
         // What cannot be written is told before minutes of learning, not after.
         None => {
             free(&folder, common.force)?;
-            fs::create_dir_all(&folder).map_err(while_writing(&folder))?;
+            make_folder(&folder)?;
         }
     }
     let first = common.seed.unwrap_or(1);

@@ -15,7 +15,7 @@ use crate::files::{in_file, read_limited, read_policy, read_task, sha256};
 use crate::results::{LearningRow, Run};
 use crate::sinks::told;
 use crate::summary::Summary;
-use crate::terminal::say;
+use crate::terminal::{say, tell};
 use crate::{overrides, render, report, results};
 
 /// What `--set` may change: the policy decides the rest.
@@ -37,6 +37,12 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         Some((settings, text)) => {
             // The policy has made a skill: what the controller refuses now are its settings.
             let of = options.settings.as_ref().unwrap_or(&policy_path);
+            if simulation.presses_away(&settings) {
+                tell(&format!(
+                    "warning: {}: `press` points away from the contact, which lies the other way",
+                    of.display()
+                ));
+            }
             let (shown, conduct) = simulation.controlled(&policy, &settings).map_err(in_file(of))?;
             let (cost, metrics, tally) = simulation.evaluate_controlled(&policy, &settings).map_err(in_file(of))?;
             (shown, (cost, metrics), Some(Controlled { settings, text, conduct, tally }))
@@ -125,7 +131,7 @@ fn settings(options: &Simulate, task: &Task) -> Result<Option<(Settings, Option<
         return Ok(None);
     }
     if task.contact.is_some() && task.least_rate().is_none_or(|rate| rate > task.rate) {
-        eprintln!("warning: this loop runs at {} Hz; {}", render::number(task.rate), render::least_rate(task));
+        tell(&format!("warning: this loop runs at {} Hz; {}", render::number(task.rate), render::least_rate(task)));
     }
     let Some(path) = &options.settings else { return Ok(Some((Settings::default(), None))) };
     let text = read_limited(path, MAX_TASK_BYTES as u64)?;

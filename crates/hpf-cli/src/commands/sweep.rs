@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::cli::{Common, Sweep};
 use crate::failure::{Failure, Outcome as Exit};
 use crate::figure::{self, Drawing, Format, Group, Measure, Member};
-use crate::files::{self, read_text, while_writing};
+use crate::files::{self, make_folder, read_text, while_writing};
 use crate::nodes;
 use crate::sinks::told;
 use crate::sweep::{Outcome, Plan, Sample, Setting, learn_all, render};
@@ -82,7 +82,7 @@ fn claim(folder: &Path) -> Result<File, Failure> {
     if !(is_empty && !folder.is_file() || is_sweep) {
         return refuse("is no sweep and is left as it is; pass another --out");
     }
-    fs::create_dir_all(folder).map_err(while_writing(folder))?;
+    make_folder(folder)?;
     let path = folder.join(LOCK);
     let lock = nodes::replaceable(&path).and_then(|()| File::create(&path)).map_err(while_writing(&path))?;
     match lock.try_lock() {

@@ -24,7 +24,8 @@ pub struct Settings {
     /// What each axis does with force, one for all or one per axis; left out, it gives way, and presses where the task has
     /// a contact with a force.
     pub compliance: Option<PerAxisKind>,
-    /// Force on the environment of axes that press [N]; left out, that of the task's contact.
+    /// Force on the environment of axes that press [N], along the axis: one below zero presses the other way. Left out, that
+    /// of the task's contact.
     pub press: Option<PerAxis>,
     /// Whether the robot's position goes into the controller, which then stops where the robot does not follow.
     pub watch_position: bool,

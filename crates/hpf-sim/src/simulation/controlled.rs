@@ -53,6 +53,14 @@ impl Simulation {
         Ok((mean, over_draws(metrics), tally))
     }
 
+    /// Whether `settings` press away from the contact of the task.
+    pub fn presses_away(&self, settings: &Settings) -> bool {
+        self.contact
+            .as_ref()
+            .zip(settings.press.as_ref())
+            .is_some_and(|(contact, press)| press.of(contact.axis) * contact.surfaces[0].direction < 0.0)
+    }
+
     fn control(
         &self,
         policy: &Policy,

@@ -9,7 +9,7 @@ use hpf_core::domain::{ALPHA, DECAY, LARGEST, SMALLEST};
 use super::keys::Document;
 use super::{
     Diagnostic, Environment, Gain, MAX_AXES, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling,
-    PerAxis, Scaling, Task, Unit,
+    PerAxis, Scaling, Task, Unit, WHOLE_STEPS,
 };
 use crate::environment::{Contact, Distribution, Quantity};
 
@@ -94,7 +94,7 @@ impl Rules<'_, '_, '_> {
         if steps > MAX_STEPS as f64 {
             let help = format!("duration times rate is the number of steps, at most {MAX_STEPS}");
             self.say("rate", format!("{product} {} steps", plain(steps.round())), help);
-        } else if (steps - steps.round()).abs() > 1e-6 * steps {
+        } else if (steps - steps.round()).abs() > WHOLE_STEPS * steps {
             let near =
                 [steps.floor().max(2.0), steps.floor().max(2.0) + 1.0].map(|steps| plain(steps / self.task.duration));
             let help = format!(
