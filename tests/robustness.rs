@@ -38,7 +38,7 @@ fn every_command_refuses_what_is_no_file_of_its_kind_by_name() {
         ("empty", b""),
         ("binary", &[0x7f, b'E', b'L', b'F', 0, 0xff, 0x80, 0]),
         ("utf16", &[&[0xff, 0xfe][..], &utf16].concat()),
-        ("noughts", &[0; 4096]),
+        ("zeros", &[0; 4096]),
         ("text", b"dear diary"),
     ];
     fs::create_dir(folder.path().join("folder.toml")).unwrap();

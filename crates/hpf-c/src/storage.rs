@@ -53,7 +53,7 @@ impl<T: Real + PartialOrd> Room<T> {
         Self { next, left, copies }
     }
 
-    /// A list of `count` noughts.
+    /// A list of `count` zeros.
     fn take(&mut self, count: usize) -> Result<List<T>, Refusal> {
         let Some(left) = self.left.checked_sub(count) else { return Err(HPF_TOO_SMALL.into()) };
         let start = self.next;

@@ -18,7 +18,7 @@ const N: usize = 20;
 
 /// A struct of C, prepared as `HPF_PREPARE` does.
 fn prepared<V>() -> V {
-    // SAFETY: every struct of the border holds numbers and raw pointers: noughts are a value, size and version come first.
+    // SAFETY: every struct of the border holds numbers and raw pointers: zeros are a value, size and version come first.
     unsafe {
         let mut value: V = core::mem::zeroed();
         (&raw mut value).cast::<[u32; 2]>().write([size_of::<V>() as u32, HPF_ABI_VERSION]);
@@ -147,10 +147,10 @@ impl Caller {
 
 /// The same skill and settings, without C.
 fn controller<const D: usize>(time: bool, port: bool) -> Controller<f64, [f64; N], D> {
-    let noughts = [0.0; N];
+    let zeros = [0.0; N];
     let basis = match time {
-        true => Basis::equally_spaced_in_time(DECAY, 0.6, noughts, noughts),
-        false => Basis::equally_spaced(DECAY, 0.6, noughts, noughts),
+        true => Basis::equally_spaced_in_time(DECAY, 0.6, zeros, zeros),
+        false => Basis::equally_spaced(DECAY, 0.6, zeros, zeros),
     };
     let ratio = Damping::Ratio { ratio: 1.0, floor: 10.0 };
     let axes = core::array::from_fn(|axis| {

@@ -25,7 +25,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   hpf init reach --out my_task.toml                  # a task to start from
-  hpf check my_task.toml                             # is it right, and what does it come to?
+  hpf check my_task.toml                             # is it right, and what does it hold?
   hpf learn tasks/cantilever.toml                    # learn a task, keep all in runs/cantilever
   hpf learn tasks/cantilever.toml --seed 2 --out out # another seed, another place
   hpf info runs/cantilever out                       # both side by side
@@ -128,7 +128,7 @@ Examples:
     /// Draw the figures of a run again, or of several together
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(Plot),
-    /// Check a task or policy and say what it comes to; a policy with its certificates
+    /// Check a task or policy and show what it holds; a policy with its certificates
     #[command(after_help = "\
 Examples:
   hpf check tasks/cantilever.toml --set rate=1000

@@ -14,7 +14,7 @@ const LOCK: &str = ".lock";
 /// What learning was told so far, in a run that can go on.
 pub const CHECKPOINT: &str = "checkpoint";
 
-/// What a run came to: written last, so that a directory without a checkpoint that has it is whole.
+/// The result of a run: written last, so that a directory without a checkpoint that has it is whole.
 const SUMMARY: &str = "summary.json";
 
 /// Folders inside a run directory.
@@ -146,7 +146,7 @@ impl Unfinished {
         self.is_resumable = true;
     }
 
-    /// From now on a failure leaves nothing: to go on would come to the same end.
+    /// From now on a failure leaves nothing: to go on would end in the same failure.
     pub fn forget(&mut self) {
         self.is_resumable = false;
     }

@@ -22,7 +22,7 @@ const MAX_BYTES: u64 = 2 << 30;
 
 /// The policy of a run.
 const POLICY: &str = "policy.json";
-/// What a run came to.
+/// The result of a run.
 const SUMMARY: &str = "summary.json";
 
 /// A task as it will run.

@@ -24,7 +24,7 @@ use crate::terminal::tell;
 /// The log while learning goes on.
 const LOG: &str = "log.mcap.partial";
 
-/// What learning came to.
+/// The result of learning.
 pub struct Learned {
     /// All that is kept of it.
     pub run: Run,

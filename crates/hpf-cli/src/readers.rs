@@ -26,7 +26,7 @@ pub const ALL: [(&str, Reader); 7] = [
     ("mcap", mcap),
 ];
 
-/// A task is simulated where it comes to fewer numbers than this: more would only be slow.
+/// A task is simulated where it has fewer numbers than this: more would only be slow.
 const MOST_SIMULATED: usize = 50_000;
 
 fn text(bytes: &[u8]) -> Option<&str> {

@@ -179,7 +179,7 @@ pub fn planned_motions(task: &Task) -> usize {
     learning.max_rollouts.map_or(motions, |max| max.min(motions))
 }
 
-/// What a task comes to.
+/// What a task holds.
 pub fn task(task: &Task, parameters: usize, initial_cost: Option<f64>) -> String {
     let mut text = format!("{}: a valid task\n", task.name);
     let steps = task.steps();

@@ -1,4 +1,4 @@
-//! What a few numbers come to: median, quartiles, extremes.
+//! Statistics of a few numbers: median, quartiles, extremes.
 
 use serde_json::{Value, json};
 

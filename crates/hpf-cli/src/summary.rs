@@ -1,4 +1,4 @@
-//! `summary.json`: what a run came to, for other programs.
+//! `summary.json`: the result of a run, for other programs.
 
 use hpf_learn::{History, Progress, Stop};
 use hpf_sim::Metric;
@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::files::sha256;
 use crate::results::Run;
 
-/// What a run came to.
+/// The result of a run.
 pub struct Summary {
     /// Name of the task.
     pub task: String,
@@ -45,7 +45,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// What the learning of `run` came to, whose measures are `metrics` and which took `seconds` of learning and in
+    /// The result of learning `run`, whose measures are `metrics` and which took `seconds` of learning and in
     /// all; `failure` is why it broke off, if it did.
     pub fn of_learning(
         run: &Run,

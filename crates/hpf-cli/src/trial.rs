@@ -61,7 +61,7 @@ impl From<Failure> for Broken {
 pub struct Trial {
     /// What it leaves behind.
     pub run: Run,
-    /// What it came to.
+    /// Its result.
     pub summary: Summary,
 }
 

@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn without_bounds_in_reach_the_slope_is_nought() {
+    fn without_bounds_in_reach_the_slope_is_zero() {
         let (h, g) = problem(12);
         let x = box_step(&h, &g, &[-1e9; 12], &[1e9; 12]).unwrap();
         assert!((&h * &x + &g).amax() < 1e-9);

@@ -137,7 +137,7 @@ fn local_weights_of_a_proportional_profile_are_its_slope() {
 }
 
 #[test]
-fn local_weights_shrink_with_the_penalty_and_a_silent_function_gets_nought() {
+fn local_weights_shrink_with_the_penalty_and_a_silent_function_gets_zero() {
     let activations = [1.0, 0.0, 1.0, 0.0];
     // xi = 2: sums 2 * 2 * y and 2 * 4 + 8.
     let found = locally_weighted(&activations, 2, &[2.0, 2.0], &[3.0, 5.0], 8.0).unwrap();

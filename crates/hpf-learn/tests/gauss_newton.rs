@@ -348,7 +348,7 @@ fn noisy_costs_are_left_to_pi2_after_their_roots() {
 }
 
 #[test]
-fn costs_below_nought_are_learned_with_pi2() {
+fn costs_below_zero_are_learned_with_pi2() {
     let toy = Toy { model: None, offset: -1e3, ..Toy::new() };
     let method = Method::Auto(AutoOptions { rollouts: 10, updates: 150, seed: 3 });
     let history = learn_with(&toy, Toy::start(), &method, None, |_| true).unwrap();

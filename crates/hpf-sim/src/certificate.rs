@@ -183,7 +183,7 @@ fn largest_inertial_offset(gains: &[(f64, f64)], law: &Inertial<f64>, load: f64,
     };
     let steps: Vec<[[f64; 2]; 3]> = gains.iter().map(step).collect();
     let worst = |end: usize| {
-        // What offset and velocity before a step come to in the offset at the end.
+        // The share of offset and velocity before a step in the offset at the end.
         let (mut weight, mut sum) = ([1.0, 0.0], 0.0);
         for [offset, velocity, push] in steps[..end].iter().rev() {
             let come_to = |[e, v]: [f64; 2]| weight[0] * e + weight[1] * v;

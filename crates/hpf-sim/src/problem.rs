@@ -87,7 +87,7 @@ impl Learning {
         }
     }
 
-    /// The settings of PI2 that the keys of `[learning]` come to: the preset's, where a key is left out.
+    /// The settings of PI2 from the keys of `[learning]`: the preset's, where a key is left out.
     pub fn pi2_options(&self) -> Pi2Options {
         let preset = match self.preset {
             Preset::Pi2 => Pi2Options::default(),

@@ -1,4 +1,4 @@
-//! `hpf check`: is this file right, and what does it come to?
+//! `hpf check`: is this file right, and what does it hold?
 
 use std::path::Path;
 

@@ -147,7 +147,7 @@ fn name_of(path: &Path) -> String {
     if name.is_empty() { "demonstration".into() } else { name }
 }
 
-/// The motion of the imitated policy in its task, what it comes to, and how far it is from the demonstrations by axis.
+/// The motion of the imitated policy in its task, its cost, and how far it is from the demonstrations by axis.
 fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, Vec<f64>), Failure> {
     let task = &loaded.task;
     let mut policy = imitated.policy.clone();

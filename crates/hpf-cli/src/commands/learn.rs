@@ -113,7 +113,7 @@ fn resume(run: &Path, common: &Common) -> Result<(LoadedTask, Unfinished, PathBu
     Ok((loaded, folder, place))
 }
 
-/// Gives a run its name that was killed when nothing else was left to do, and says what it came to; `None` for others.
+/// Gives a run its name that was killed when nothing else was left to do, and shows its result; `None` for others.
 fn name_whole(run: &Path, common: &Common) -> Result<Option<Outcome>, Failure> {
     let refused = [("--seed", common.seed.is_some()), ("--out", common.out.is_some())];
     if let Some((option, _)) = refused.iter().find(|(_, is_given)| *is_given) {
@@ -132,7 +132,7 @@ fn name_whole(run: &Path, common: &Common) -> Result<Option<Outcome>, Failure> {
     Ok(Some(if is_missed { Outcome::Missed } else { Outcome::Done }))
 }
 
-/// Writes everything that was learned, and says what it came to, and which log or figures could not be made.
+/// Writes everything that was learned; returns its summary, and which log or figures could not be made.
 fn save(
     loaded: &LoadedTask,
     learned: &Learned,

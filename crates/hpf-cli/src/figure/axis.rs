@@ -216,8 +216,21 @@ fn decimals(step: f64) -> usize {
 fn logarithmic_ticks(low: f64, high: f64, count: f64) -> Vec<Tick> {
     let exponents = (low.log10() - 1e-6).ceil() as i32..=(high.log10() + 1e-6).floor() as i32;
     let decades = exponents.clone().count();
+    let between = |digits: &[u8]| {
+        let values = |exponent: i32| {
+            digits.iter().map(move |digit| f64::from(*digit) * 10.0_f64.powi(exponent)).collect::<Vec<_>>()
+        };
+        let inside = (exponents.start() - 1..=*exponents.end()).flat_map(values);
+        inside.filter(|value| (low..=high).contains(value)).collect::<Vec<_>>()
+    };
+    let main = between(&[1, 2, 5]);
+    if decades < 2 && main.len() > 2 {
+        let others = between(&[3, 4, 6, 7, 8, 9]);
+        let others = others.into_iter().map(|value| Tick { value, label: String::new() });
+        return main.into_iter().map(|value| Tick { value, label: short(value, 1) }).chain(others).collect();
+    }
     if decades < 2 {
-        // Too little for powers of ten: round values between.
+        // Too little for those: round values in proportion.
         let step = round_step(high - low, count.min(5.0));
         let is_plain = low >= 1e-4 && high < 1e5;
         let label = |value: f64| {
@@ -238,11 +251,8 @@ fn logarithmic_ticks(low: f64, high: f64, count: f64) -> Vec<Tick> {
     let mut ticks: Vec<Tick> =
         exponents.clone().map(|exponent| Tick { value: 10.0_f64.powi(exponent), label: label(exponent) }).collect();
     if decades <= 6 {
-        for exponent in exponents.start() - 1..=*exponents.end() {
-            let between = (2..10).map(|digit| f64::from(digit) * 10.0_f64.powi(exponent));
-            let inside = between.filter(|value| (low..=high).contains(value));
-            ticks.extend(inside.map(|value| Tick { value, label: String::new() }));
-        }
+        let others = between(&[2, 3, 4, 5, 6, 7, 8, 9]);
+        ticks.extend(others.into_iter().map(|value| Tick { value, label: String::new() }));
     }
     ticks
 }
@@ -327,6 +337,10 @@ mod tests {
         assert_eq!(labels(&axis(0.01, 100.0), 8.0), ["0.01", "0.1", "1", "10", "100"]);
         assert_eq!(labels(&axis(1e-6, 1e2), 5.0), ["10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"]);
         assert_eq!(labels(&axis(2.0, 7.0), 8.0), ["2", "3", "4", "5", "6", "7"]);
+        // From less than two of them on, 1, 2 and 5 times each: the lower half of such an axis has labels too.
+        assert_eq!(labels(&axis(4.3, 95.0), 8.0), ["5", "10", "20", "50"]);
+        assert_eq!(labels(&axis(0.12, 2.4), 8.0), ["0.2", "0.5", "1", "2"]);
+        assert_eq!(labels(&axis(1.5e-7, 1.5e-6), 8.0), ["2·10⁻⁷", "5·10⁻⁷", "10⁻⁶"]);
         assert_eq!(axis(0.01, 100.0).share(1.0), 0.5);
         assert!(axis(0.01, 100.0).share(0.0) < -1.0, "zero leaves the box");
     }

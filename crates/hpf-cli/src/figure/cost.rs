@@ -12,8 +12,6 @@ use crate::results::{LearningRow, Run};
 
 /// How far below the smallest total a term is still shown: less matters to nobody.
 const DEPTH: f64 = 1e-4;
-/// A term that never rises above this many times the lower end of the axis is left out.
-const VISIBLE: f64 = 10.0;
 /// Terms jump from update to update: thin lines keep them apart [px].
 const TERM_WIDTH: f64 = 3.0;
 
@@ -25,7 +23,7 @@ pub fn cost(run: &Run) -> Figure {
     let mut layers = vec![line(rows, total, Pen::strong(BLACK), "total")];
     let y = axis(rows);
     // What lies below this is too small to be shown; on an axis in proportion nothing is.
-    let visible = if y.scale == Scale::Logarithmic { VISIBLE * y.low } else { 0.0 };
+    let visible = if y.scale == Scale::Logarithmic { y.low } else { 0.0 };
     let mut left_out = Vec::new();
     for (i, term) in Term::ALL.into_iter().enumerate() {
         let of_term = |row: &LearningRow| row.terms[i];

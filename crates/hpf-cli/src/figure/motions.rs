@@ -64,7 +64,7 @@ fn shade(i: usize, count: usize) -> RGBColor {
     tint(GREY, 0.45 + 0.8 * share)
 }
 
-/// Positions as they are shown: millimetres where metres would all be noughts.
+/// Positions as they are shown: millimetres where metres would all be zeros.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Length {
     /// What a position is multiplied by.

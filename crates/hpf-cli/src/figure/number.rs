@@ -15,7 +15,7 @@ pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-/// A number in `digits` significant digits, without trailing noughts; with a power of ten where it is very large or
+/// A number in `digits` significant digits, without trailing zeros; with a power of ten where it is very large or
 /// small.
 pub fn short(value: f64, digits: usize) -> String {
     let rounded = rounded(value, digits);

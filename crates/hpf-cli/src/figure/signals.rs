@@ -25,9 +25,9 @@ pub fn end(run: &Run) -> f64 {
     run.trajectory.time.last().map_or(run.task.duration, |&last| last.max(run.task.duration))
 }
 
-/// `figure` with the rest time marked, from when the first of `runs` is at its duration.
+/// `figure` with the rest time marked, from when all `runs` are at their durations.
 pub fn with_rest<'r>(mut figure: Figure, runs: impl Iterator<Item = &'r Run> + Clone) -> Figure {
-    let duration = runs.clone().map(|run| run.task.duration).fold(f64::INFINITY, f64::min);
+    let duration = runs.clone().map(|run| run.task.duration).fold(0.0, f64::max);
     if runs.map(end).fold(0.0, f64::max) > duration {
         let block = ((duration, f64::NEG_INFINITY), (f64::INFINITY, f64::INFINITY));
         for panel in &mut figure.panels {

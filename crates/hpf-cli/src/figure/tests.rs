@@ -1,3 +1,5 @@
+use std::fs;
+
 use hpf_sim::cost::Term;
 use hpf_sim::{Policy, Simulation, Task};
 

@@ -23,7 +23,7 @@ pub struct Vector {
     clips: Vec<Area>,
 }
 
-/// A number to a hundredth of a pixel, without trailing noughts.
+/// A number to a hundredth of a pixel, without trailing zeros.
 fn number(value: f64) -> String {
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

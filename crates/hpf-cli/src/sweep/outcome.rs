@@ -1,4 +1,4 @@
-//! What the runs of a sweep came to, read back from their directories: a table, a summary, and the data of its figures.
+//! The results of the runs of a sweep, read back from their directories: a table, a summary, and the data of its figures.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// What a sweep came to.
+/// The result of a sweep.
 pub struct Outcome<'p> {
     plan: &'p Plan,
     /// For each run of the plan what it left, where it is finished.

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::render::{number, wrapped};
 
-/// What the runs of a sweep came to, by setting.
+/// The results of the runs of a sweep, by setting.
 pub fn render(summary: &Value, kept: usize, seconds: f64, folder: &str, files: &[String]) -> String {
     let list = |key: &str| summary[key].as_array().map(Vec::as_slice).unwrap_or_default();
     let mut text = format!(

@@ -7,7 +7,7 @@ use hpf_core::Real;
 use crate::Block;
 use crate::weighting::{LANES, Pack};
 
-/// The tables of all blocks, a step per lane, noughts behind the last step.
+/// The tables of all blocks, a step per lane, zeros behind the last step.
 #[derive(Clone, Debug)]
 pub(super) struct Bases {
     /// The parameters of each block.

@@ -5,7 +5,7 @@ use hpf_core::{Basis, Lanes, Real};
 /// Steps whose mixtures are made together: a weight is read once for all of them.
 pub(super) const TILE: usize = 4;
 
-/// Basis functions by row: one row per instant, and so many rows of noughts behind that a tile always has its rows.
+/// Basis functions by row: one row per instant, and so many rows of zeros behind that a tile always has its rows.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     count: usize,

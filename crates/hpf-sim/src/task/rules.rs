@@ -381,7 +381,7 @@ fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 
-/// A number without hundreds of noughts.
+/// A number without hundreds of zeros.
 fn plain(value: f64) -> String {
     if (1e-6..1e15).contains(&value) { value.to_string() } else { format!("{value:e}") }
 }

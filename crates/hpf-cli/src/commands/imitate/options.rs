@@ -1,4 +1,4 @@
-//! What can be asked of `hpf imitate`, and what it comes to.
+//! The options of `hpf imitate`, read.
 
 use std::path::PathBuf;
 
