@@ -12,19 +12,47 @@ use crate::results::{LearningRow, Run};
 
 /// How far below the smallest total a term is still shown: less matters to nobody.
 const DEPTH: f64 = 1e-4;
+/// A term that never rises above this many times the lower end of the axis is left out: it would
+/// only flicker there.
+const VISIBLE: f64 = 10.0;
 /// Terms jump from update to update: thin lines keep them apart [px].
 const TERM_WIDTH: f64 = 3.0;
 
-/// Draws the cost by update.
+/// Draws the cost by update, or where nothing was learned what the motion costs.
 pub fn cost(run: &Run) -> Figure {
-    let rows = &run.learning;
+    match run.learning.as_slice() {
+        [only] => of_motion(&run.task, only),
+        rows => by_update(run, rows),
+    }
+}
+
+/// Total and terms side by side.
+fn of_motion(task: &Task, row: &LearningRow) -> Figure {
+    let terms = Term::ALL.into_iter().enumerate().filter(|(i, term)| is_weighed(task, *term) && row.terms[*i] != 0.0);
+    let terms = terms.map(|(i, term)| (Term::NAMES[i].replace('_', " "), row.terms[i], colour(term)));
+    let all: Vec<_> = [("total".to_owned(), row.total, BLACK)].into_iter().chain(terms).collect();
+    let mark = |(i, (name, value, colour)): (usize, &(String, f64, RGBColor))| {
+        Layer::marks(Mark::Dot, vec![(i as f64, *value)], Pen::strong(*colour)).labelled(name)
+    };
+    let panel = Panel {
+        heading: String::new(),
+        note: String::new(),
+        // Names would not fit below: the legend has them, in this order.
+        x: Axis::named("", vec![String::new(); all.len()]),
+        y: Axis::of_cost(core::iter::once(row.total), all.iter().map(|(_, value, _)| *value)),
+        layers: all.iter().enumerate().map(mark).collect(),
+    };
+    Figure::new("Cost of the motion, total and terms", vec![panel])
+}
+
+fn by_update(run: &Run, rows: &[LearningRow]) -> Figure {
     let total = |row: &LearningRow| row.total;
     // The total is named before the terms, and drawn over them once more.
     let mut layers = vec![line(rows, total, Pen::strong(BLACK), "total")];
     let y = axis(rows);
     // What lies below this is too small to be shown; on an axis in proportion nothing is.
-    let visible = if y.scale == Scale::Logarithmic { y.low } else { 0.0 };
-    let mut left_out = Vec::new();
+    let visible = if y.scale == Scale::Logarithmic { VISIBLE * y.low } else { 0.0 };
+    let (mut left_out, mut highest) = (Vec::new(), 0.0_f64);
     for (i, term) in Term::ALL.into_iter().enumerate() {
         let of_term = |row: &LearningRow| row.terms[i];
         let (_, most) = span(rows.iter().map(of_term)).unwrap_or((0.0, 0.0));
@@ -34,15 +62,16 @@ pub fn cost(run: &Run) -> Figure {
             layers.push(line(rows, of_term, pen, &name));
         } else if is_weighed(&run.task, term) && most > 0.0 {
             left_out.push(name);
+            highest = highest.max(most);
         }
     }
     layers.push(line(rows, total, Pen::strong(BLACK), "total"));
     let note = match left_out.as_slice() {
         [] => String::new(),
-        names => format!("below {}: {}", short(visible, 1), names.join(", ")),
+        names => format!("at most {}: {}", short(above(highest), 1), names.join(", ")),
     };
     let best = run.policy.provenance.updates;
-    let learned = rows.iter().find(|row| row.update == best && rows.len() > 1);
+    let learned = rows.iter().find(|row| row.update == best);
     layers.extend(learned.map(|row| Layer::marks(Mark::Ring, vec![(best as f64, row.total)], Pen::strong(BLUE))));
 
     let updates = span(rows.iter().map(|row| row.update as f64)).unwrap_or((0.0, 1.0));
@@ -54,15 +83,17 @@ pub fn cost(run: &Run) -> Figure {
         y,
         layers,
     };
-    let title = if rows.len() > 1 { "Cost by update, total and terms" } else { "Cost, total and terms" };
-    Figure::new(title, vec![panel]).with_direct_labels()
+    Figure::new("Cost by update, total and terms", vec![panel]).with_direct_labels()
+}
+
+/// The next number of one digit, `value` or above it.
+fn above(value: f64) -> f64 {
+    let digit = 10.0_f64.powf(value.log10().floor());
+    (value / digit * (1.0 - 1e-9)).ceil() * digit
 }
 
 fn line(rows: &[LearningRow], value: impl Fn(&LearningRow) -> f64, pen: Pen, name: &str) -> Layer {
     let points: Vec<Point> = rows.iter().map(|row| (row.update as f64, value(row))).collect();
-    if let [point] = *points {
-        return Layer::marks(Mark::Dot, vec![point], pen).labelled(name);
-    }
     Layer::line(points, pen).labelled(name)
 }
 
@@ -115,6 +146,13 @@ mod tests {
         let mut terms = vec![0.0; Term::ALL.len()];
         terms[0] = first;
         LearningRow { update, rollouts: 1, total, terms, exploration: 1.0 }
+    }
+
+    #[test]
+    fn a_bound_in_one_digit_is_not_below_what_it_bounds() {
+        for (value, bound) in [(0.0186, 0.02), (0.02, 0.02), (1.1e-6, 2e-6), (9.3, 10.0), (4e-300, 4e-300)] {
+            assert!((above(value) / bound - 1.0).abs() < 1e-12, "{value}: {}", above(value));
+        }
     }
 
     #[test]

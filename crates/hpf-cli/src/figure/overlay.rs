@@ -62,18 +62,19 @@ fn lines<'r>(runs: &'r [Named<'r>]) -> impl Iterator<Item = (&'r str, &'r Run, P
     runs.iter().enumerate().map(|(i, named)| (named.name.as_str(), named.run, Pen::series(i)))
 }
 
-/// Draws the total cost by motions made: what a learner that makes more of them per update pays for its updates.
+/// Draws the total cost by motions made: what a learner that makes more of them per update pays for its updates. A run
+/// that learned nothing is a level line.
 fn cost(runs: &[Named<'_>]) -> Figure {
-    let points = |run: &Run| steps(run.learning.iter().map(|row| (row.rollouts as f64, row.total)));
+    let learned = runs.iter().filter(|named| named.run.learning.len() > 1);
+    let x = motions_axis(learned.filter_map(|named| named.run.learning.last()).map(|row| row.rollouts as f64));
+    let points = |run: &Run| match run.learning.as_slice() {
+        [only] => vec![(x.low, only.total), (x.high, only.total)],
+        rows => steps(rows.iter().map(|row| (row.rollouts as f64, row.total))),
+    };
     let layers = lines(runs).map(|(name, run, pen)| Layer::line(points(run), pen).labelled(name));
     let totals = runs.iter().flat_map(|named| &named.run.learning).map(|row| row.total);
-    let panel = Panel {
-        heading: String::new(),
-        note: String::new(),
-        x: motions_axis(runs.iter().filter_map(|named| named.run.learning.last()).map(|row| row.rollouts as f64)),
-        y: cost_axis(totals),
-        layers: layers.collect(),
-    };
+    let layers = layers.collect();
+    let panel = Panel { heading: String::new(), note: String::new(), x, y: cost_axis(totals), layers };
     Figure::new("Cost by motions made", vec![panel]).with_direct_labels()
 }
 
