@@ -3,23 +3,48 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 use crate::support::{expect, folder, read, root};
 
 /// Commands that take minutes: their own tests run them, with less to do.
 const ELSEWHERE: [&str; 3] = ["sweep", "reproduce", "benchmark"];
 
-/// A folder with the shipped tasks, what the commands shown start from, and `hpf` on the way to it.
-fn workplace() -> tempfile::TempDir {
-    let folder = folder();
-    for shipped in ["tasks", "tasks/demonstrations"] {
-        fs::create_dir(folder.path().join(shipped)).unwrap();
-        for entry in fs::read_dir(root().join(shipped)).unwrap().map(Result::unwrap) {
-            if entry.path().is_file() {
-                fs::copy(entry.path(), folder.path().join(shipped).join(entry.file_name())).unwrap();
-            }
+/// Copies the folder `from` with all that is in it.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let to = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &to);
+        } else {
+            fs::copy(entry.path(), to).unwrap();
         }
     }
+}
+
+/// A folder with the shipped tasks, what the commands shown start from.
+fn workplace() -> tempfile::TempDir {
+    let folder = folder();
+    copy(&root().join("tasks"), &folder.path().join("tasks"));
+    folder
+}
+
+/// The same with runs in it, which are made once.
+fn workplace_with_runs() -> tempfile::TempDir {
+    static MADE: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let made = MADE.get_or_init(|| {
+        let folder = workplace();
+        let readme = shell_lines(&read(root().join("README.md")));
+        for line in readme.iter().filter(|line| line.starts_with("hpf learn")) {
+            run(folder.path(), line, "README.md");
+        }
+        run(folder.path(), "hpf learn tasks/reach.toml --quiet --out runs/elsewhere", "before the examples");
+        run(folder.path(), "cp runs/cantilever/policy.json policy.json", "before the examples");
+        folder
+    });
+    let folder = folder();
+    copy(made.path(), folder.path());
     folder
 }
 
@@ -52,9 +77,13 @@ fn shell_lines(page: &str) -> Vec<String> {
     lines.filter(|line| line.starts_with("hpf ")).collect()
 }
 
-/// Command and file, by which lines of two pages make the same run.
-fn words(line: &str) -> Vec<&str> {
-    line.split_whitespace().take(3).collect()
+/// The run directory that a line `hpf learn ...` makes.
+fn made(line: &str) -> String {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    match words.iter().position(|word| *word == "--out") {
+        Some(option) => words[option + 1].to_owned(),
+        None => format!("runs/{}", Path::new(words[2]).file_stem().unwrap_or_default().display()),
+    }
 }
 
 #[test]
@@ -66,15 +95,13 @@ fn every_command_of_the_documentation_runs() {
     // The README first: what it makes, the other pages look at.
     pages[1..].sort();
     let mut count = 0;
-    let readme = shell_lines(&read(&pages[0]));
     for page in &pages {
-        let folder = workplace();
         let lines = shell_lines(&read(page));
-        let shown = |line: &String| lines.iter().any(|own| words(own) == words(line));
-        let before = readme.iter().filter(|line| line.starts_with("hpf learn") && !shown(line));
-        before
-            .filter(|_| page != &pages[0] && !lines.is_empty())
-            .for_each(|line| run(folder.path(), line, "README.md"));
+        let folder = if page == &pages[0] { workplace() } else { workplace_with_runs() };
+        // What the page makes itself is not there before.
+        for line in lines.iter().filter(|line| line.starts_with("hpf learn")) {
+            let _ = fs::remove_dir_all(folder.path().join(made(line)));
+        }
         for line in lines.iter().filter(|line| is_cheap(line)) {
             run(folder.path(), line, &page.display().to_string());
             count += 1;
@@ -99,12 +126,8 @@ fn every_example_of_the_help_runs() {
             .filter(|line| line.starts_with("hpf "))
             .collect();
         assert!(!lines.is_empty(), "hpf {name} has no examples");
-        let folder = workplace();
-        if !["hpf", "learn"].contains(&name.as_str()) {
-            run(folder.path(), "hpf learn tasks/cantilever.toml --quiet", "before the examples");
-            run(folder.path(), "hpf learn tasks/reach.toml --quiet --out runs/elsewhere", "before the examples");
-            run(folder.path(), "cp runs/cantilever/policy.json policy.json", "before the examples");
-        }
+        let makes_runs = ["hpf", "learn"].contains(&name.as_str());
+        let folder = if makes_runs { workplace() } else { workplace_with_runs() };
         for line in lines.into_iter().filter(|line| is_cheap(line)) {
             run(folder.path(), line, &format!("hpf {name} --help"));
         }

@@ -156,8 +156,7 @@ fn settings_of_the_controller_are_kept_and_their_mistakes_shown() {
         ("[timing]\nramp = 20\n", "settings.toml:2:8", "from 0 to 10"),
         ("[limits]\nvelocity = 0\n", "settings.toml:2:12", "`velocity` is out of range: 0"),
         ("[port]\nforce_bias = 1\n", "settings.toml", "add [tank]"),
-        // What only the controller can know: the goal lies outside.
-        ("[limits]\nposition_max = 0.1\n", "settings.toml", "the controller refuses: goal must lie in"),
+        ("[limits]\nposition_max = 0.1\n", "settings.toml:2:16", "the workspace of `x` is up to 0.1 m"),
     ];
     for (settings, place, words) in refused {
         std::fs::write(folder.path().join("settings.toml"), settings).unwrap();

@@ -79,7 +79,8 @@ worst over the seeds, and a figure per task in images/benchmarks/. Seeds count u
 #[command(next_help_heading = "Common options")]
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: Option<u64>,
     /// Threads for rollouts; the results are the same for any number [default: one per core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]

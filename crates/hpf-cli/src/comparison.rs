@@ -206,8 +206,9 @@ impl fmt::Display for Comparison {
             line("\nkey of the task", &[])?;
         }
         for (key, values) in &self.differing {
-            let shown =
-                values.iter().map(|value| if value.is_null() { "-".into() } else { shortened(&word(value)) } + "  ");
+            let words: Vec<String> =
+                values.iter().map(|value| if value.is_null() { "-".into() } else { word(value) }).collect();
+            let shown = shortened(&words).into_iter().map(|word| word + "  ");
             line(&format!("  {key}"), &shown.collect::<Vec<_>>())?;
         }
         let least = if self.is_one_task() { "* the least of the row   " } else { "" };
@@ -215,7 +216,42 @@ impl fmt::Display for Comparison {
     }
 }
 
-fn shortened(text: &str) -> String {
-    let is_long = text.chars().count() > LONGEST;
-    if is_long { text.chars().take(LONGEST - 3).chain("...".chars()).collect() } else { text.to_owned() }
+/// Texts that are not all the same, each cut to what a column holds; what the long ones have in common goes first.
+fn shortened(texts: &[String]) -> Vec<String> {
+    let is_long = |text: &&String| text.chars().count() > LONGEST;
+    let same = |at: usize| {
+        let mut letters = texts.iter().filter(is_long).map(|text| text.chars().nth(at));
+        let first = letters.next().flatten();
+        first.is_some() && letters.all(|letter| letter == first)
+    };
+    let common = (0..).take_while(|at| same(*at)).count();
+    // A difference that the beginning shows, or one long text alone, needs no cut in front.
+    let from = if common + 6 < LONGEST || texts.iter().filter(is_long).count() < 2 { 0 } else { common - 3 };
+    let cut = |text: &String| {
+        if !is_long(&text) {
+            return text.clone();
+        }
+        let front = if from == 0 { "" } else { "..." };
+        let rest: String = text.chars().skip(from).collect();
+        let room = LONGEST - front.len();
+        let is_rest_long = rest.chars().count() > room;
+        let shown: String = rest.chars().take(if is_rest_long { room - 3 } else { room }).collect();
+        format!("{front}{shown}{}", if is_rest_long { "..." } else { "" })
+    };
+    texts.iter().map(cut).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shortened;
+
+    #[test]
+    fn long_values_are_cut_so_that_their_difference_shows() {
+        let of = |texts: &[&str]| shortened(&texts.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>());
+        assert_eq!(of(&["short", "-"]), ["short", "-"]);
+        assert_eq!(of(&["abcdefghijklmnopqrstuvwxyz0123456789", "-"]), ["abcdefghijklmnopqrstuvwxy...", "-"]);
+        let long = |end: &str| format!("[\"movement\", \"goal\", \"stiffness\", {end}]");
+        assert_eq!(of(&[&long("\"damping\""), &long("\"mass\"")]), ["..., \"damping\"]", "..., \"mass\"]"]);
+        assert_eq!(of(&[&long("1"), &long("1")[1..]])[1], "\"movement\", \"goal\", \"sti...");
+    }
 }

@@ -142,10 +142,11 @@ impl Controlled {
         if let Some(tank) = &self.settings.tank {
             let _ = writeln!(
                 text,
-                "  tank           at least {} of {} J, held back in {} steps",
+                "  tank           at least {} of {} J, held back in {} step{}",
                 number(tally.least_energy),
                 number(tank.capacity),
-                tally.short
+                tally.short,
+                if tally.short == 1 { "" } else { "s" }
             );
         }
         let [force, input, time] = tally.bad;

@@ -2,7 +2,8 @@
 //! and what limits, faults, the tank and requests make of it.
 
 use hpf_core::controller::Mode;
-use hpf_sim::robot::Settings;
+use hpf_sim::robot::{Limits, Settings};
+use hpf_sim::task::PerAxis;
 use hpf_sim::{Policy, Simulation, Task, Trace};
 
 const REACH: &str = include_str!("../../../tasks/reach.toml");
@@ -109,7 +110,7 @@ fn against_the_continuous_simulation_the_difference_falls_with_the_step() {
 
 fn controlled(settings: &str) -> (Trace, hpf_sim::robot::Conduct) {
     let (task, policy) = task(REACH, 1000.0, "");
-    let settings = Settings::parse(settings, 1).unwrap_or_else(|found| panic!("{found:?}"));
+    let settings = Settings::parse(settings, &task.axis).unwrap_or_else(|found| panic!("{found:?}"));
     Simulation::new(&task, &policy).unwrap().controlled(&policy, &settings).unwrap()
 }
 
@@ -153,8 +154,9 @@ fn limits_trips_and_the_tank_are_kept_and_told() {
 
 #[test]
 fn settings_say_where_they_are_wrong_and_what_is_near() {
+    let (task, policy) = task(REACH, 1000.0, "");
     let wrong = |text: &str, axes: usize| {
-        let found = Settings::parse(text, axes).unwrap_err();
+        let found = Settings::parse(text, &vec![task.axis[0].clone(); axes]).unwrap_err();
         let one = &found[0];
         (text[one.span.clone()].to_owned(), one.message.clone(), one.help.clone())
     };
@@ -169,9 +171,20 @@ fn settings_say_where_they_are_wrong_and_what_is_near() {
     assert!(message.contains("pause") && help.contains("hold"), "{message} {help}");
     let (_, message, _) = wrong("speed = 3\n", 1);
     assert!(message.contains("speed"), "{message}");
-    // What the controller refuses comes with its reason.
-    let (task, policy) = task(REACH, 1000.0, "");
-    let settings = Settings::parse("[limits]\nposition_max = 0.1\n", 1).unwrap();
+    for (text, place, message) in [
+        ("position_max = 0.1", "0.1", "axis `x` ends at 0.3 m, outside its workspace"),
+        ("position_min = 0.01", "0.01", "axis `x` starts at 0 m, outside its workspace"),
+        ("position_min = 0.2\nposition_max = [0.2]", "[0.2]", "the workspace of axis `x` has no width: 0.2 to 0.2 m"),
+        ("position_max = 1e300", "1e300", "`position_max` is out of range: 1e300"),
+    ] {
+        let found = wrong(&format!("[limits]\n{text}\n"), 1);
+        assert_eq!((&*found.0, &*found.1), (place, message));
+    }
+    let (place, message, _) = wrong("press = -6.0\n[limits]\nforce = 5.0\n", 1);
+    assert_eq!((&*place, &*message), ("-6.0", "`press` of axis `x` is -6, above its largest force, 5"));
+    // What the controller alone can refuse comes with its reason.
+    let limits = Limits { position_max: Some(PerAxis::All(0.1)), ..Limits::default() };
+    let settings = Settings { limits, ..Settings::default() };
     let refused = Simulation::new(&task, &policy).unwrap().controlled(&policy, &settings).unwrap_err().to_string();
     assert!(refused.starts_with("the controller refuses: goal must lie in"), "{refused}");
 }

@@ -136,7 +136,7 @@ fn settings(options: &Simulate, task: &Task) -> Result<Option<(Settings, Option<
     let Some(path) = &options.settings else { return Ok(Some((Settings::default(), None))) };
     let text = read_limited(path, MAX_TASK_BYTES as u64)?;
     let name = path.display().to_string();
-    let settings = Settings::parse(&text, task.axis.len()).map_err(|found| report::render(&found, &text, &name))?;
+    let settings = Settings::parse(&text, &task.axis).map_err(|found| report::render(&found, &text, &name))?;
     Ok(Some((settings, Some(text))))
 }
 

@@ -52,7 +52,7 @@ fn enlarged(run: &Run, height: f64) -> Option<Panel> {
     let length = fitting(run, [low, high].into_iter());
     let most = short(length.factor * low.abs().max(high.abs()), 3);
     Some(Panel {
-        heading: "learned alone, in contact".into(),
+        heading: "enlarged, in contact".into(),
         note: format!("at most {most} {}", length.unit),
         x: time_axis(run),
         y: Axis::linear("deviation", length.unit, padded([low, high, 0.0].map(|value| length.factor * value))),

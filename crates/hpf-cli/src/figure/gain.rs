@@ -7,7 +7,7 @@ use hpf_sim::{AxisTrace, Trace};
 
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Panel};
-use super::motions::{initial, learned};
+use super::motions::{initial, is_learned, learned};
 use super::number::{rounded, short};
 use super::palette::{GREY, Pen, SHADE};
 use super::signals::{axis_heading, axis_phrase, time_axis, with_rest};
@@ -60,7 +60,10 @@ fn draw(
         let after = signal(&learned.trace.axes[i]);
         let before = |trace: &Trace, pen| Layer::signal(&trace.time, signal(&trace.axes[i]), 1.0, pen);
         let pen = Pen { width: 5.0, ..Pen::dashed(GREY) };
-        let before = initial(run).map_or(Layer::level(start, pen), |trace| before(trace, pen));
+        let before = match initial(run) {
+            Some(trace) => Some(before(trace, pen)),
+            None => is_learned(run).then(|| Layer::level(start, pen)),
+        };
 
         let (middle, half) = core(i);
         let range = padded(if fits { [min, max] } else { [middle - half, middle + half] });
@@ -71,7 +74,7 @@ fn draw(
             layers.push(Layer::band(max, f64::INFINITY, shade));
             layers.extend([min, max].map(|bound| Layer::level(bound, Pen::thin(GREY))));
         }
-        layers.push(before.labelled("initial"));
+        layers.extend(before.map(|before| before.labelled("initial")));
         let after = Layer::signal(&learned.trace.time, after, 1.0, learned.pen);
         layers.push(after.labelled(learned.label.clone()));
         Panel {
@@ -82,7 +85,8 @@ fn draw(
             layers,
         }
     });
-    let title = format!("{name}{}, initial and learned", axis_phrase(run));
+    let compared = if is_learned(run) { ", initial and learned" } else { "" };
+    let title = format!("{name}{}{compared}", axis_phrase(run));
     with_rest(Figure::new(title, panels.collect()), iter::once(run))
 }
 

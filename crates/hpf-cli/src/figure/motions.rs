@@ -49,9 +49,20 @@ pub fn initial(run: &Run) -> Option<&Trace> {
     run.snapshots.iter().find(|(update, _)| *update == 0).map(|(_, trace)| trace)
 }
 
-/// The learned motion.
+/// Whether learning made the motion of `run`: a demonstration or a task alone makes others.
+pub fn is_learned(run: &Run) -> bool {
+    run.policy.provenance.updates > 0 || run.learning.len() > 1
+}
+
+/// What a title adds about runs that all learned.
+pub fn that_learned<'r>(mut runs: impl Iterator<Item = &'r Run>) -> &'static str {
+    if runs.all(is_learned) { ", learned" } else { "" }
+}
+
+/// The motion of the policy: the learned one, where learning made it.
 pub fn learned(run: &Run) -> Motion<'_> {
     let label = match run.policy.provenance.updates {
+        0 if !is_learned(run) => "motion".into(),
         0 => "learned".into(),
         update => format!("learned, update {update}"),
     };

@@ -1,5 +1,8 @@
 //! The path of a tool with two linear axes, in their plane.
 
+use hpf_sim::Task;
+use hpf_sim::task::ViaPoint;
+
 use super::axis::{Axis, padded, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::motions::{Length, by_update, motions};
@@ -8,6 +11,19 @@ use crate::results::Run;
 
 /// Corners of a circle.
 const CORNERS: u32 = 90;
+
+/// What is near enough to the via points of `task`, where positions are multiplied by `factor`.
+pub fn discs(task: &Task, factor: f64, pen: Pen) -> impl Iterator<Item = Layer> {
+    let disc = move |via: &ViaPoint| {
+        let radius = via.radius.filter(|radius| *radius > 0.0)?;
+        let rim = |corner: u32| {
+            let (sin, cos) = (core::f64::consts::TAU * f64::from(corner) / f64::from(CORNERS)).sin_cos();
+            (factor * (via.position[0] + radius * cos), factor * (via.position[1] + radius * sin))
+        };
+        Some(Layer::line((0..=CORNERS).map(rim).collect(), pen).labelled("near enough"))
+    };
+    task.via_point.iter().filter_map(disc)
+}
 
 /// Draws the path of every motion in the plane.
 pub fn path(run: &Run) -> Figure {
@@ -40,17 +56,9 @@ pub fn path(run: &Run) -> Figure {
         .zip(paths)
         .map(|(motion, path)| Layer::line(shown(path), motion.pen).labelled(motion.label))
         .collect();
-    layers.push(Layer::line(shown(reference), Pen::dashed(VERMILLION)).labelled("learned reference"));
+    layers.push(Layer::line(shown(reference), Pen::dashed(VERMILLION)).labelled("reference"));
     layers.push(Layer::marks(Mark::Ring, shown(vec![start]), Pen::thin(BLACK)).labelled("start"));
-    for via in &task.via_point {
-        let radius = via.radius.unwrap_or(0.0);
-        if radius > 0.0 {
-            let around = |i: u32| 2.0 * core::f64::consts::PI * f64::from(i) / f64::from(CORNERS);
-            let rim = |angle: f64| (via.position[0] + radius * angle.cos(), via.position[1] + radius * angle.sin());
-            let disc = (0..=CORNERS).map(|i| rim(around(i))).collect();
-            layers.push(Layer::line(shown(disc), Pen::thin(GREEN)).labelled("near enough"));
-        }
-    }
+    layers.extend(discs(task, length.factor, Pen::thin(GREEN)));
     if !via.is_empty() {
         layers.push(Layer::marks(Mark::Dot, shown(via), Pen::thin(GREEN)).labelled("via point"));
     }

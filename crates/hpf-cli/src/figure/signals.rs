@@ -3,7 +3,8 @@
 use core::iter;
 
 use hpf_sim::environment::disturbance::Side;
-use hpf_sim::environment::{Contact, Disturbance, wall};
+use hpf_sim::environment::wall::Side as WallSide;
+use hpf_sim::environment::{Contact, Disturbance};
 use hpf_sim::task::Unit;
 
 use super::axis::{Axis, padded, span};
@@ -99,6 +100,14 @@ pub fn disturbance(run: &Run) -> Figure {
     with_rest(Figure::new(format!("Disturbing {what} on {place}"), panels.collect()), iter::once(run))
 }
 
+/// The wall across axis `i`, if there is one, in a panel where positions are multiplied by `factor`.
+pub fn wall(run: &Run, i: usize, factor: f64) -> Option<Layer> {
+    let across = |contact: &&Contact| contact.axis() == run.task.axis[i].name;
+    let Some(Contact::Wall(wall)) = run.task.contact.as_ref().filter(across) else { return None };
+    let end = if wall.side == WallSide::Above { f64::INFINITY } else { f64::NEG_INFINITY };
+    Some(Layer::band(factor * wall.position, end, Pen::thin(SHADE)).labelled("wall"))
+}
+
 /// Draws the position of every axis over time, for every motion.
 pub fn position(run: &Run) -> Figure {
     let task = &run.task;
@@ -115,17 +124,13 @@ pub fn position(run: &Run) -> Figure {
         let shown = padded(values.iter().map(|value| length.factor * value));
 
         let mut layers = Vec::new();
-        if let Some(Contact::Wall(wall)) = task.contact.as_ref().filter(|contact| contact.axis() == axis.name) {
-            let surface = length.factor * wall.position;
-            let end = if wall.side == wall::Side::Above { f64::INFINITY } else { f64::NEG_INFINITY };
-            layers.push(Layer::band(surface, end, Pen::thin(SHADE)).labelled("wall"));
-        }
+        layers.extend(wall(run, i, length.factor));
         for motion in motions(run) {
             let signal = &motion.trace.axes[i].position;
             layers.push(Layer::signal(&motion.trace.time, signal, length.factor, motion.pen).labelled(motion.label));
         }
         let pen = Pen::dashed(VERMILLION);
-        layers.push(Layer::signal(&run.trajectory.time, reference, length.factor, pen).labelled("learned reference"));
+        layers.push(Layer::signal(&run.trajectory.time, reference, length.factor, pen).labelled("reference"));
         let via = task.via_point.iter().filter_map(|via| Some((via.time?, length.factor * via.position[i])));
         let via: Vec<_> = via.collect();
         if !via.is_empty() {

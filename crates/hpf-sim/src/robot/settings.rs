@@ -11,7 +11,7 @@ use hpf_core::passivity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::task::{self, Diagnostic, PerAxis};
+use crate::task::{self, Axis, Diagnostic, PerAxis};
 
 /// A number of the controller that nothing reaches: what is not limited.
 const WIDE: f64 = 1e6;
@@ -270,11 +270,12 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Reads a settings file for a task of `axes` axes.
+    /// Reads a settings file for a task of the axes `axes`.
     ///
     /// # Errors
-    /// Every mistake of keys, types, ranges and lengths with its place, in the order of the text.
-    pub fn parse(text: &str, axes: usize) -> Result<Self, Vec<Diagnostic>> {
+    /// Every mistake of keys, types, ranges and lengths with its place, in the order of the text; a workspace without a
+    /// width, or one that leaves out where an axis starts or ends; a press above the largest force.
+    pub fn parse(text: &str, axes: &[Axis]) -> Result<Self, Vec<Diagnostic>> {
         task::read(text, &Self::schema(), "the settings", |settings: &Self, say| settings.check(axes, say))
     }
 
@@ -283,8 +284,8 @@ impl Settings {
         serde_json::Value::from(schemars::schema_for!(Self))
     }
 
-    /// Lists of a wrong length.
-    fn check(&self, axes: usize, say: &mut dyn FnMut(&str, String, String)) {
+    /// What a schema cannot say.
+    fn check(&self, axes: &[Axis], say: &mut dyn FnMut(&str, String, String)) {
         if let Some(Tank { capacity, reserve, .. }) =
             self.tank.as_ref().filter(|tank| tank.reserve > tank.capacity.max(0.0))
         {
@@ -308,17 +309,16 @@ impl Settings {
             if let Some(number) = numbers.as_ref().and_then(|numbers| numbers.values().iter().find(outside)) {
                 let key = path.rsplit('.').next().unwrap_or(path);
                 let help = format!("`{key}` must lie between {SMALLEST:e} and {LARGEST:e}");
-                say(path, format!("`{key}` is out of range: {number}"), help);
+                say(path, format!("`{key}` is out of range: {number:?}"), help);
             }
         }
+        let mut are_complete = true;
         let mut length = |path: &str, count: Option<usize>| {
-            if let Some(count) = count.filter(|count| *count != axes) {
-                let kind = if axes == 1 { "axis" } else { "axes" };
-                say(
-                    path,
-                    format!("{count} entries for {axes} {kind}"),
-                    "one value for all axes, or one for each".into(),
-                );
+            if let Some(count) = count.filter(|count| *count != axes.len()) {
+                are_complete = false;
+                let kind = if axes.len() == 1 { "axis" } else { "axes" };
+                let message = format!("{count} entries for {} {kind}", axes.len());
+                say(path, message, "one value for all axes, or one for each".into());
             }
         };
         length(
@@ -339,6 +339,49 @@ impl Settings {
         for (i, request) in self.request.iter().enumerate() {
             if let TimedRequest::Goal(goal) = request {
                 length(&format!("request.{i}.position"), goal.position.count());
+            }
+        }
+        if are_complete {
+            self.check_axes(axes, say);
+        }
+    }
+
+    /// What fits no axis of the task, each list as long as it must be.
+    fn check_axes(&self, axes: &[Axis], say: &mut dyn FnMut(&str, String, String)) {
+        let Limits { force, position_min, position_max, .. } = &self.limits;
+        for (path, bound) in [("limits.position_min", position_min), ("limits.position_max", position_max)] {
+            if let Some(far) = bound.iter().flat_map(PerAxis::values).find(|number| number.abs() > LARGEST) {
+                let key = path.rsplit('.').next().unwrap_or(path);
+                let help = format!("`{key}` must lie between {:e} and {LARGEST:e}", -LARGEST);
+                return say(path, format!("`{key}` is out of range: {far:?}"), help);
+            }
+        }
+        for (i, axis) in axes.iter().enumerate() {
+            let (name, unit) = (&axis.name, axis.unit.symbol());
+            let [min, max] = [(position_min, -WIDE), (position_max, WIDE)]
+                .map(|(bound, wide)| bound.as_ref().map_or(wide, |bound| bound.of(i)));
+            let path = if position_max.is_some() { "limits.position_max" } else { "limits.position_min" };
+            if min >= max {
+                let message = format!("the workspace of axis `{name}` has no width: {min} to {max} {unit}");
+                say(path, message, "`position_min` must lie below `position_max`".into());
+                continue;
+            }
+            for (what, place) in [("starts", axis.start), ("ends", axis.goal)] {
+                if !(min..=max).contains(&place) {
+                    let path = if place < min { "limits.position_min" } else { "limits.position_max" };
+                    let message = format!("axis `{name}` {what} at {place} {unit}, outside its workspace");
+                    let space = match (position_min, position_max) {
+                        (Some(_), Some(_)) => format!("{min} to {max} {unit}"),
+                        (Some(_), None) => format!("from {min} {unit} on"),
+                        _ => format!("up to {max} {unit}"),
+                    };
+                    say(path, message, format!("the workspace of `{name}` is {space}"));
+                }
+            }
+            let largest = force.as_ref().map_or(WIDE, |force| force.of(i));
+            if let Some(press) = self.press.as_ref().map(|press| press.of(i)).filter(|press| press.abs() > largest) {
+                let message = format!("`press` of axis `{name}` is {press}, above its largest force, {largest}");
+                say("press", message, "`press` must not exceed `limits.force`".into());
             }
         }
     }

@@ -6,10 +6,10 @@ use hpf_sim::{AxisTrace, ContactTrace};
 use super::super::axis::{Axis, padded, span};
 use super::super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::super::gain::{WIDEST_BOUNDS, bounds, damping_unit, stiffness_unit};
-use super::super::motions::Length;
+use super::super::motions::{Length, that_learned};
 use super::super::number::short;
 use super::super::palette::{GREEN, GREY, Pen, SHADE, tint};
-use super::super::signals::{axis_heading, axis_phrase, end, force_over_time, with_rest};
+use super::super::signals::{axis_heading, axis_phrase, end, force_over_time, wall, with_rest};
 use super::{Named, common, lines, shared};
 use crate::render::paper_deviation;
 use crate::results::Run;
@@ -71,7 +71,8 @@ fn gain(
     };
     let axes = runs[0].run.task.axis.iter().enumerate();
     let phrase = axis_phrase(runs[0].run);
-    resting(format!("{name}{phrase}, learned"), axes.map(|(i, axis)| panel(i, axis)).collect(), runs)
+    let learned = that_learned(runs.iter().map(|named| named.run));
+    resting(format!("{name}{phrase}{learned}"), axes.map(|(i, axis)| panel(i, axis)).collect(), runs)
 }
 
 /// Draws the disturbances of each run; where they are drawn, those of its trajectory.
@@ -118,12 +119,14 @@ pub fn position(runs: &[Named<'_>]) -> Figure {
         let (low, high) = span(values.iter().copied()).unwrap_or((0.0, 1.0));
         let length = Length::fitting(axis, low.abs().max(high.abs()));
         let scaled = |points: Vec<Point>| points.into_iter().map(|(t, y)| (t, length.factor * y)).collect();
-        let mut layers: Vec<Layer> = lines(runs)
-            .map(|(name, run, pen)| {
-                let signal = &run.trajectory.axes[i].position;
-                Layer::signal(&run.trajectory.time, signal, length.factor, pen).labelled(name)
-            })
-            .collect();
+        let mut layers = Vec::new();
+        if shared(runs, |run| run.task.contact.clone()).is_some() {
+            layers.extend(wall(runs[0].run, i, length.factor));
+        }
+        layers.extend(lines(runs).map(|(name, run, pen)| {
+            let signal = &run.trajectory.axes[i].position;
+            Layer::signal(&run.trajectory.time, signal, length.factor, pen).labelled(name)
+        }));
         let one = shared(runs, |run| marks(run));
         for (_, run, pen) in lines(runs).take(if one.is_some() { 1 } else { runs.len() }) {
             let (via, goal) = marks(run);
@@ -141,7 +144,8 @@ pub fn position(runs: &[Named<'_>]) -> Figure {
         }
     };
     let axes = runs[0].run.task.axis.iter().enumerate();
-    let title = format!("Tool position{} over time, learned", axis_phrase(runs[0].run));
+    let learned = that_learned(runs.iter().map(|named| named.run));
+    let title = format!("Tool position{} over time{learned}", axis_phrase(runs[0].run));
     resting(title, axes.map(|(i, axis)| panel(i, axis)).collect(), runs)
 }
 

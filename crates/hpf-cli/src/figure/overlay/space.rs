@@ -6,8 +6,9 @@ use hpf_sim::environment::{Cantilever, Contact};
 use super::super::axis::{Axis, padded, span};
 use super::super::beam::{curve, panel};
 use super::super::chart::{Figure, Layer, Mark, Panel, Point};
-use super::super::motions::Length;
+use super::super::motions::{Length, that_learned};
 use super::super::palette::{BLACK, Pen, tint};
+use super::super::plane::discs;
 use super::{Named, lines, shared};
 use crate::results::Run;
 
@@ -37,6 +38,9 @@ pub fn plane_path(runs: &[Named<'_>]) -> Figure {
         Layer::line(path(&run.trajectory).map(shown).collect(), pen).labelled(name)
     };
     let mut layers: Vec<Layer> = lines(runs).map(line).collect();
+    if shared(runs, |run| run.task.via_point.clone()).is_some() {
+        layers.extend(discs(&runs[0].run.task, length.factor, Pen::thin(BLACK)));
+    }
     for kind in 0..3 {
         let mut places: Vec<(Point, Pen)> = Vec::new();
         let (label, mark, _) = marks(runs[0].run)[kind];
@@ -58,7 +62,8 @@ pub fn plane_path(runs: &[Named<'_>]) -> Figure {
     };
     let (x, y) = (axis(&across.name, |point| point.0), axis(&upwards.name, |point| point.1));
     let panel = Panel { heading: String::new(), note: String::new(), x, y, layers };
-    Figure { equal: true, ..Figure::new("Tool path in the plane, learned", vec![panel]) }
+    let title = format!("Tool path in the plane{}", that_learned(runs.iter().map(|named| named.run)));
+    Figure { equal: true, ..Figure::new(title, vec![panel]) }
 }
 
 fn beam(run: &Run) -> Option<&Cantilever> {
@@ -111,5 +116,6 @@ pub fn beam_path(runs: &[Named<'_>]) -> Figure {
     }));
     let mut panel = panel(longest(runs), "tool downwards", depths(&layers), layers);
     panel.note = "pale: the beam under load".into();
-    Figure::new("Tool path along the beam, learned", vec![panel])
+    let title = format!("Tool path along the beam{}", that_learned(runs.iter().map(|named| named.run)));
+    Figure::new(title, vec![panel])
 }
