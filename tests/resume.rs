@@ -81,14 +81,14 @@ fn an_interrupted_run_goes_on_to_the_same_bytes_from_a_whole_cut_or_damaged_chec
 
     // What cannot be gone on with says why, as often as it is asked.
     fs::write(path("headless/checkpoint"), &checkpoint[9..]).unwrap();
-    let text = String::from_utf8_lossy(&checkpoint[..60]).replace("checkpoint 2", "checkpoint 1");
+    let text = String::from_utf8_lossy(&checkpoint[..60]).replace("checkpoint 3", "checkpoint 2");
     fs::write(path("foreign/checkpoint"), text).unwrap();
     let changed = read(path("edited/task.toml")).replace("seed = 1", "seed = 2");
     fs::write(path("edited/task.toml"), changed).unwrap();
     fs::remove_file(path("alone/task.toml")).unwrap();
     for (name, words) in [
         ("headless", "no checkpoint"),
-        ("foreign", "version 1"),
+        ("foreign", "version 2"),
         ("edited", "task.toml is not what this run began with"),
         ("alone", "there is no such file"),
         ("nowhere", "no run that was broken off"),

@@ -1,5 +1,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    hpf_cli::readers::mcap(bytes);
+    hpf::readers::mcap(bytes);
 });

@@ -10,7 +10,7 @@ use crate::status::{
     HPF_MISALIGNED, HPF_NO_CONTROLLER, HPF_NULL_POINTER, HPF_OK, HPF_TOO_SMALL, HPF_WRONG_AXES, HPF_WRONG_SIZE,
     HPF_WRONG_VERSION, Refusal,
 };
-use crate::storage::{List, Room, numbers};
+use crate::storage::{List, ListArena, numbers};
 
 /// Alignment of the memory for a controller.
 pub const HPF_ALIGNMENT: usize = 8;
@@ -115,8 +115,8 @@ impl<T: Scalar, const D: usize> Slot<T, D> {
         let &position = unsafe { checked(position.cast::<[T; D]>())? };
         // SAFETY: memory by contract and the check above; a whole number of `T` behind the slot.
         let skill = unsafe {
-            let mut room = Room::new(memory.cast::<u8>().add(Self::INSTANCE.bytes).cast(), count, copies);
-            room.skill::<D>(policy)?
+            let mut arena = ListArena::new(memory.cast::<u8>().add(Self::INSTANCE.bytes).cast(), count, copies);
+            arena.skill::<D>(policy)?
         };
         let controller = Controller::new(skill, settings, position)?;
         let handle = Handle { mark: T::MARK, own: memory, instance: const { &Self::INSTANCE } };

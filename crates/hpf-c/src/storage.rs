@@ -24,7 +24,7 @@ pub(crate) struct List<T> {
 
 impl<T> AsRef<[T]> for List<T> {
     fn as_ref(&self) -> &[T] {
-        // SAFETY: only `Room` makes lists: aligned, of `count` numbers, in memory that by the contract of `create` stays
+        // SAFETY: only `ListArena` makes lists: aligned, of `count` numbers, in memory that by the contract of `create` stays
         // and is written by nobody while the controller is used.
         unsafe { slice::from_raw_parts(self.start, self.count) }
     }
@@ -32,20 +32,20 @@ impl<T> AsRef<[T]> for List<T> {
 
 impl<T> AsMut<[T]> for List<T> {
     fn as_mut(&mut self) -> &mut [T] {
-        // SAFETY: as above; called on lists fresh from `Room::take` only, which no copy of yet exists.
+        // SAFETY: as above; called on lists fresh from `ListArena::take` only, which no copy of yet exists.
         unsafe { slice::from_raw_parts_mut(self.start, self.count) }
     }
 }
 
 /// The part of the memory that is not yet given away, and whether lists are copied into it.
-pub(crate) struct Room<T> {
+pub(crate) struct ListArena<T> {
     next: *mut T,
     left: usize,
     copies: bool,
 }
 
-impl<T: Real + PartialOrd> Room<T> {
-    /// Room for `left` numbers from `next` on.
+impl<T: Real + PartialOrd> ListArena<T> {
+    /// Space for `left` numbers from `next` on.
     ///
     /// # Safety
     /// `next` is aligned and so much memory is there for writing, used by nobody else.
@@ -162,7 +162,7 @@ fn bases<T>(policy: &Policy<T>) -> [&BasisPolicy<T>; 3] {
     [&policy.movement_basis, &policy.stiffness_basis, &policy.damping_basis]
 }
 
-/// How many numbers [`Room::skill`] takes, and whether it copies; refuses what no skill can be.
+/// How many numbers [`ListArena::skill`] takes, and whether it copies; refuses what no skill can be.
 pub(crate) fn numbers<T: Real + PartialOrd>(policy: &Policy<T>, axes: usize) -> Result<(usize, bool), Refusal> {
     let copies = match policy.lists {
         HPF_LISTS_COPIED => true,

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
+use crate::choice::Choice;
 use crate::commands::init::Kind;
-use crate::export::{Format, Precision};
-use crate::figure;
 use crate::style::ColorChoice;
+use hpf::export::{Format, Precision};
+use hpf::figure;
 
 /// Learn, run and inspect compliant robot skills: motion, stiffness and damping in one.
 #[derive(Debug, Parser)]
@@ -259,7 +260,7 @@ pub struct Plot {
     pub runs: Vec<PathBuf>,
     /// Form of the figures
     #[arg(long, value_enum, value_name = "FORM", default_value = "png")]
-    pub format: figure::Format,
+    pub format: Choice<figure::Format>,
     /// Only these figures, such as stiffness,cost [default: all that the runs have in common]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub only: Vec<String>,
@@ -308,13 +309,13 @@ pub struct Export {
     pub policy: PathBuf,
     /// Form [postcard: the same as binary]
     #[arg(long, value_enum, value_name = "FORM", required_unless_present = "ros2")]
-    pub format: Option<Format>,
+    pub format: Option<Choice<Format>>,
     /// The same as --format ros2
     #[arg(long, conflicts_with = "format")]
     pub ros2: bool,
     /// Scalar of a form for firmware [default: f64]
     #[arg(long, value_enum, value_name = "SCALAR")]
-    pub scalar: Option<Precision>,
+    pub scalar: Option<Choice<Precision>>,
 }
 
 /// `hpf sweep`

@@ -17,7 +17,8 @@ mod simulate;
 mod sweep;
 
 use crate::cli::{Arguments, Command, Common};
-use crate::failure::{Failure, Outcome};
+use crate::outcome::Outcome;
+use hpf::failure::Failure;
 
 /// Runs the command asked for, on as many threads as asked for.
 ///

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::render::{measure, number};
-use crate::terminal::line as one_line;
+use hpf::escape::line as one_line;
+use hpf::words::{measure, number};
 
 /// Longest value of a task key that is shown whole [letters].
 const LONGEST: usize = 28;
@@ -252,6 +252,6 @@ mod tests {
         assert_eq!(of(&["abcdefghijklmnopqrstuvwxyz0123456789", "-"]), ["abcdefghijklmnopqrstuvwxy...", "-"]);
         let long = |end: &str| format!("[\"movement\", \"goal\", \"stiffness\", {end}]");
         assert_eq!(of(&[&long("\"damping\""), &long("\"mass\"")]), ["..., \"damping\"]", "..., \"mass\"]"]);
-        assert_eq!(of(&[&long("1"), &long("1")[1..]])[1], "\"movement\", \"goal\", \"sti...");
+        assert_eq!(of(&[&long("1"), &long("1")[1..]])[1], "\"movement\", \"goal\", \"stif...");
     }
 }

@@ -34,21 +34,11 @@ pub fn is_urgent() -> bool {
     ASKED.load(Ordering::SeqCst) > 1
 }
 
-/// Something that must be ended before the program may end.
-pub struct Hold(());
-
-impl Hold {
-    /// From now on, until it is dropped.
-    pub fn new() -> Self {
+/// Something must be ended before the program may end (`true`), or has been ended.
+pub fn hold(is_held: bool) {
+    if is_held {
         HELD.fetch_add(1, Ordering::SeqCst);
-        Self(())
-    }
-}
-
-impl Drop for Hold {
-    fn drop(&mut self) {
-        if HELD.fetch_sub(1, Ordering::SeqCst) == 1 && is_urgent() {
-            std::process::exit(CODE);
-        }
+    } else if HELD.fetch_sub(1, Ordering::SeqCst) == 1 && is_urgent() {
+        std::process::exit(CODE);
     }
 }

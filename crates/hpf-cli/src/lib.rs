@@ -3,45 +3,31 @@
 #![forbid(unsafe_code)]
 
 mod benchmark;
-mod checkpoint;
+mod choice;
 mod cli;
 mod commands;
 mod comparison;
-mod conduct;
-mod directory;
-mod export;
-mod failure;
-mod figure;
-mod files;
+mod deliver;
 mod interrupt;
-mod learning;
-mod log;
-mod nodes;
-mod overrides;
-mod packed;
-mod process;
+mod outcome;
 mod progress;
-pub mod readers;
 mod render;
-mod report;
 mod reproduce;
-mod results;
 mod side_by_side;
-mod sinks;
-mod start;
-mod statistics;
 mod style;
-mod summary;
 mod sweep;
 mod terminal;
-mod trial;
 
+use core::panic::AssertUnwindSafe;
 use std::io::{Write as _, stdout};
+use std::panic::catch_unwind;
 use std::process::ExitCode;
 
 use clap::Parser as _;
 
-use crate::failure::Failure;
+use hpf::escape::shown;
+use hpf::failure::Failure;
+use hpf::sinks::reason;
 
 /// Reads the command line, runs the command, and says how it ended.
 pub fn main() -> ExitCode {
@@ -50,7 +36,7 @@ pub fn main() -> ExitCode {
         Err(answer) => return tell_of_arguments(&answer),
     };
     style::choose(arguments.common.color);
-    match sinks::last_resort(|| commands::run(&arguments)) {
+    match last_resort(|| commands::run(&arguments)) {
         Ok(outcome) => outcome.into(),
         Err(failure) => fail(&failure),
     }
@@ -58,7 +44,20 @@ pub fn main() -> ExitCode {
 
 fn fail(failure: &Failure) -> ExitCode {
     terminal::complain(failure);
-    failure.exit_code()
+    outcome::exit_code(failure)
+}
+
+/// Runs a command; a fault of the program itself is a failure, told in a line and not in a backtrace.
+///
+/// # Errors
+/// What `command` says, or that it broke off.
+fn last_resort<T>(command: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    std::panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map(|place| format!(" at {place}")).unwrap_or_default();
+        terminal::tell(&format!("fault of hpf{place}: {}", reason(panic.payload())));
+    }));
+    catch_unwind(AssertUnwindSafe(command))
+        .unwrap_or_else(|panic| Err(Failure::Work(format!("a fault of hpf itself: {}", reason(&*panic)))))
 }
 
 /// Prints what clap answers in place of arguments: help and version are results, mistakes are not.
@@ -66,7 +65,7 @@ fn tell_of_arguments(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
         let text = answer.render().to_string();
         // Arguments that a terminal would obey are quoted in it: then without colours.
-        if terminal::shown(&text) == text {
+        if shown(&text) == text {
             let _ = answer.print();
         } else {
             terminal::tell(text.trim_end());

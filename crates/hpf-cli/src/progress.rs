@@ -2,13 +2,18 @@
 
 use core::time::Duration;
 use std::io::{IsTerminal as _, stderr};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use hpf_learn::Progress;
+use hpf::escape::{line, shown};
+use hpf::results::LearningRow;
+use hpf::watch::Watch;
+use hpf::words::number;
+use hpf_sim::Task;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::render::number;
-use crate::terminal::{line, shown, tell};
+use crate::interrupt;
+use crate::terminal::tell;
 
 /// Time between plain lines.
 const INTERVAL: Duration = Duration::from_secs(2);
@@ -50,7 +55,7 @@ impl Meter {
     }
 
     /// Shows an evaluation.
-    pub fn show(&mut self, progress: &Progress) {
+    pub fn show(&mut self, progress: &LearningRow) {
         match self {
             Self::Quiet => {}
             Self::Bar(bar) => {
@@ -72,6 +77,73 @@ impl Meter {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// Learning as the terminal shows it; signals end it.
+pub struct OnTerminal {
+    is_quiet: bool,
+    meter: Mutex<Meter>,
+}
+
+impl OnTerminal {
+    /// From now on signals are noted. Where it `is_quiet`, only what went wrong is told.
+    pub fn new(is_quiet: bool) -> Self {
+        interrupt::watch();
+        Self { is_quiet, meter: Mutex::new(Meter::Quiet) }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        core::mem::replace(&mut *self.meter.lock().unwrap_or_else(PoisonError::into_inner), Meter::Quiet).finish();
+    }
+}
+
+impl Watch for OnTerminal {
+    fn note(&self, sentence: &str) {
+        tell(sentence);
+    }
+
+    fn begun(&self, task: &Task) {
+        let meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, self.is_quiet);
+        *self.meter.lock().unwrap_or_else(PoisonError::into_inner) = meter;
+    }
+
+    fn evaluated(&self, row: &LearningRow) {
+        self.meter.lock().unwrap_or_else(PoisonError::into_inner).show(row);
+    }
+
+    fn is_asked(&self) -> bool {
+        interrupt::is_asked()
+    }
+
+    fn is_urgent(&self) -> bool {
+        interrupt::is_urgent()
+    }
+
+    fn hold(&self, is_held: bool) {
+        interrupt::hold(is_held);
+    }
+}
+
+/// Work without a word, which signals end.
+pub struct Signals;
+
+impl Watch for Signals {
+    fn note(&self, sentence: &str) {
+        tell(sentence);
+    }
+
+    fn is_asked(&self) -> bool {
+        interrupt::is_asked()
+    }
+
+    fn is_urgent(&self) -> bool {
+        interrupt::is_urgent()
+    }
+
+    fn hold(&self, is_held: bool) {
+        interrupt::hold(is_held);
     }
 }
 

@@ -4,46 +4,15 @@ use core::fmt::Write as _;
 
 use hpf_core::passivity::Case;
 use hpf_sim::cost::Term;
-use hpf_sim::environment::{Contact, cantilever::Curve};
 use hpf_sim::task::{Environment, Gain, Task, Unit};
 use hpf_sim::{AxisTrace, Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
 
-use crate::results::Run;
-use crate::summary::Summary;
-use crate::terminal::line;
-
-/// The deviation that the paper claims for its cantilever [m].
-pub const PAPER_DEVIATION: f64 = 0.15e-3;
-
-/// The deviation that the paper claims for `task` [m], if it is on the paper's curve.
-pub fn paper_deviation(task: &Task) -> Option<f64> {
-    let is_paper_curve = matches!(&task.contact, Some(Contact::Cantilever(beam)) if beam.curve == Curve::TipLoad);
-    is_paper_curve.then_some(PAPER_DEVIATION)
-}
-
-/// A number with four digits that count, without exponent where it is readable.
-pub fn number(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    // The power of ten after rounding to four digits: 9.99999 is 10.00.
-    let exponent = format!("{value:.3e}");
-    let digits = exponent.rsplit('e').next().and_then(|digits| digits.parse().ok()).unwrap_or(f64::NAN);
-    if !(-5.0..7.0).contains(&digits) {
-        return format!("{value:.3e}");
-    }
-    format!("{value:.*}", (3.0 - digits).clamp(0.0, 8.0) as usize)
-}
-
-/// A measure in the unit that suits its size: millimetres for small lengths.
-pub fn measure(value: f64, unit: &str) -> String {
-    match unit {
-        "m" if value.abs() < 0.1 => format!("{} mm", number(value * 1e3)),
-        "" => number(value),
-        unit => format!("{} {unit}", number(value)),
-    }
-}
+use hpf::escape::line;
+use hpf::paper::paper_deviation;
+use hpf::results::Run;
+use hpf::summary::Summary;
+use hpf::words::{measure, number};
 
 /// Cost by term before and after, terms that stay zero left out.
 pub fn costs(summary: &Summary) -> String {

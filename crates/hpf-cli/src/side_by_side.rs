@@ -3,8 +3,8 @@
 use core::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use crate::failure::Failure;
 use crate::interrupt;
+use hpf::failure::Failure;
 
 /// Calls `work` with 0 to `count - 1` until Ctrl-C, on the threads of the current pool.
 ///

@@ -100,7 +100,7 @@ pub struct Controller<T, S, const D: usize> {
     /// What the phase has lost in rounding.
     phase_remainder: T,
     counters: Counters,
-    pace: Pace<T>,
+    cache: StepCache<T>,
     /// Whether the books of the physical port have begun.
     port_known: bool,
     /// The last output; phase, rate, energy, mode and motion of the commands are the state of what they say.
@@ -109,7 +109,7 @@ pub struct Controller<T, S, const D: usize> {
 
 /// What a step's length and the rate of time decide, beside [`AxisState::step`]: kept while they stay what they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Pace<T> {
+struct StepCache<T> {
     /// The step's length [s]; zero where none has been looked at.
     dt: T,
     /// The share of a change of force that the filter lets through in one step.
@@ -130,7 +130,7 @@ struct AxisState<T> {
     offset: OffsetMotion<T>,
     /// The second-order step, if the law is of that order.
     law: Option<Inertial<T>>,
-    /// The reference's step at the last [`Pace`].
+    /// The reference's step at the last [`StepCache`].
     step: Increment<T>,
     /// The books of the physical port.
     port: PortAxis<T>,
@@ -171,7 +171,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             moved: false,
             phase_remainder: T::ZERO,
             counters: Counters::default(),
-            pace: Pace { dt: T::ZERO, settled: T::ZERO, ramp_share: T::ZERO, rate: T::ZERO, half: T::ZERO },
+            cache: StepCache { dt: T::ZERO, settled: T::ZERO, ramp_share: T::ZERO, rate: T::ZERO, half: T::ZERO },
             port_known: false,
             last: Output {
                 axes: [rest; D],
@@ -184,7 +184,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             },
             skill,
         };
-        controller.put(position)?;
+        controller.place_at(position)?;
         controller.check_goals(&settings)?;
         Ok(controller)
     }
@@ -244,7 +244,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 }
                 self.last.port_energy = settings.port.map_or(T::ZERO, |_| self.last.port_energy.at_most(most));
                 self.settings = settings;
-                self.pace.dt = T::ZERO;
+                self.cache.dt = T::ZERO;
                 self.tare = TareWindow::default();
                 Ok(())
             }
@@ -259,12 +259,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     pub fn update(&mut self, input: &Input<T, D>, dt: T) -> Output<T, D> {
         self.last.status = Status::default();
         if let Some(request) = input.request
-            && !self.obey(request)
+            && !self.handle_request(request)
         {
             self.last.status.refused = true;
             count(&mut self.counters.refused);
         }
-        match self.heed(dt) {
+        match self.validate_dt(dt) {
             Some(dt) => self.advance(input, dt),
             None => self.stand(input),
         }
@@ -274,12 +274,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     }
 
     /// Does what is asked for; returns whether it did.
-    fn obey(&mut self, request: Request<T, D>) -> bool {
+    fn handle_request(&mut self, request: Request<T, D>) -> bool {
         match request {
-            Request::Start => self.on(Event::Start),
-            Request::Hold => self.on(Event::Hold),
-            Request::Resume => self.on(Event::Resume),
-            Request::Stop => self.on(Event::Stop),
+            Request::Start => self.handle_event(Event::Start),
+            Request::Hold => self.handle_event(Event::Hold),
+            Request::Resume => self.handle_event(Event::Resume),
+            Request::Stop => self.handle_event(Event::Stop),
             Request::Goal(goal) => self.retarget(goal),
             Request::Tare => {
                 let still = if self.last.mode == Mode::Idle { self.tare.mean() } else { None };
@@ -290,13 +290,15 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 still.is_some()
             }
             Request::Reset(position) => {
-                self.last.mode.after(Event::Reset).is_some() && self.put(position).is_ok() && self.on(Event::Reset)
+                self.last.mode.after(Event::Reset).is_some()
+                    && self.place_at(position).is_ok()
+                    && self.handle_event(Event::Reset)
             }
         }
     }
 
     /// Goes to the mode after `event`; returns whether there is one.
-    fn on(&mut self, event: Event) -> bool {
+    fn handle_event(&mut self, event: Event) -> bool {
         let Some(mode) = self.last.mode.after(event) else { return false };
         if mode == Mode::Fault && self.last.mode != Mode::Fault {
             count(&mut self.counters.faults);
@@ -306,7 +308,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     }
 
     /// Puts everything but mode and counters to the start of the movement, at rest at `position`.
-    fn put(&mut self, position: [T; D]) -> Result<(), ConfigError> {
+    fn place_at(&mut self, position: [T; D]) -> Result<(), ConfigError> {
         for (axis, &position) in self.settings.axes.iter().zip(&position) {
             axis.limits.admit(position, T::ZERO)?;
         }

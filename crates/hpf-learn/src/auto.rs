@@ -12,9 +12,9 @@
 //! A stage that ends hands over what it has learned, and a [`Note`] says why. Motions without noise at every step are
 //! all evaluations: nothing is rolled out twice to know what it cost.
 
-use crate::squares::Squares;
+use crate::step_costs::StepCostLearner;
 use crate::{
-    Anneal, Block, Cost, Covariance, GaussNewton, GaussNewtonOptions, Pi2, Pi2Options, Settled, SignalGroup,
+    Anneal, Block, Cost, Covariance, Exhausted, GaussNewton, GaussNewtonOptions, Pi2, Pi2Options, SignalGroup,
     SignalModel, Temperature,
 };
 
@@ -51,9 +51,9 @@ pub enum Note {
     /// The problem measures no signals: the costs of its steps stand in for them.
     NoSignals,
     /// The roots of the costs of the steps ended: the squares that they are made of go on.
-    Squares(Settled),
+    StepCosts(Exhausted),
     /// The costs of the steps ended: PI2 goes on.
-    FellBack(Settled),
+    FellBack(Exhausted),
     /// A step has a negative cost, which has no root: PI2 goes on.
     NegativeCosts,
     /// The start failed its motion: learning began at a motion near it, after so many.
@@ -65,7 +65,7 @@ impl core::fmt::Display for Note {
         match self {
             Self::Coupled => f.write_str("groups of parameters move each other's signals: all are learned together"),
             Self::NoSignals => f.write_str("the problem measures no signals: learning from the costs of its steps"),
-            Self::Squares(reason) => {
+            Self::StepCosts(reason) => {
                 write!(f, "the squares that the costs of the steps are made of go on from their roots: {reason}")
             }
             Self::FellBack(reason) => write!(f, "pi2 goes on from the costs of the steps: {reason}"),
@@ -99,8 +99,8 @@ pub(crate) struct FallBack {
 
 impl FallBack {
     /// A learner on the squares of the costs, from `weights`.
-    pub(crate) fn squares(&self, weights: Vec<f64>) -> Squares {
-        Squares::new(&self.blocks, self.steps + 1, weights, self.options.signals())
+    pub(crate) fn step_costs(&self, weights: Vec<f64>) -> StepCostLearner {
+        StepCostLearner::new(&self.blocks, self.steps + 1, weights, self.options.signals())
     }
 
     /// PI2 from `weights`, with noise of the size that the responses found call for: `scales`, one per parameter.
@@ -118,7 +118,7 @@ impl FallBack {
             seed: self.options.seed,
             ..Pi2Options::black_box()
         };
-        Pi2::new(&self.blocks, self.steps, weights, options).with_spread(spread)
+        Pi2::checked(&self.blocks, self.steps, weights, options).with_own_spread(spread)
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Distance {
 }
 
 /// Squares that touch a smooth distance.
-pub(crate) struct Squares {
+pub(crate) struct Majorizer {
     /// The signals of the nearest moment, one for each coordinate.
     pub(crate) signals: Vec<usize>,
     /// What an offset is multiplied by, coordinates x coordinates.
@@ -84,7 +84,7 @@ impl Distance {
     }
 
     /// The squares that touch the smooth cost at `signals`; `None` within the ball.
-    pub(crate) fn squares(&self, delta: f64, signals: &[f64]) -> Option<Squares> {
+    pub(crate) fn majorizer(&self, delta: f64, signals: &[f64]) -> Option<Majorizer> {
         let (moment, offset) = self.nearest(signals);
         let v = self.outside(delta, &offset);
         if v == 0.0 {
@@ -96,6 +96,6 @@ impl Distance {
         let (coordinates, outer) = (offset.len(), &way * way.transpose());
         let factor = DMatrix::identity(coordinates, coordinates) * across + outer * (along - across);
         let signals = self.offsets.iter().map(|offsets| offsets.start + moment).collect();
-        Some(Squares { signals, factor, root: way * (along * v) })
+        Some(Majorizer { signals, factor, root: way * (along * v) })
     }
 }

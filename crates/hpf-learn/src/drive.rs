@@ -1,15 +1,12 @@
 //! The loop around a session: roll out in parallel what it asks for, tell it, show what was learned.
 
 use core::slice;
-use core::time::Duration;
-use std::collections::VecDeque;
-use std::time::Instant;
 
-use crate::rollouts::Crew;
-use crate::session::{Session, Told};
+use crate::rollouts::RolloutPool;
+use crate::session::{Session, TellOutcome};
 use crate::{
-    AutoOptions, CmaEsOptions, Draws, GaussNewtonOptions, Note, Parameters, Pi2Error, Pi2Options, Price, Problem,
-    Settled,
+    AutoOptions, CmaEsOptions, Draws, Exhausted, GaussNewtonOptions, Note, Parameters, Pi2Error, Pi2Options, Price,
+    Problem, ShapeError,
 };
 
 /// A way to learn.
@@ -83,15 +80,15 @@ impl Progress {
 
 /// Why learning ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum TerminationReason {
     /// All updates were made.
     Updates,
     /// The next batch would have passed the rollouts allowed.
     Rollouts,
     /// It was asked for.
-    Asked,
+    Requested,
     /// The method found nothing more to do.
-    Settled(Settled),
+    Exhausted(Exhausted),
 }
 
 /// What a run of learning leaves behind.
@@ -108,7 +105,7 @@ pub struct History {
     /// Rollouts whose cost was not finite.
     pub rejected: usize,
     /// Why it ended.
-    pub stop: Stop,
+    pub stop: TerminationReason,
     /// What the method found out on its way: a coupling, a fall-back.
     pub notes: Vec<Note>,
 }
@@ -131,9 +128,9 @@ pub enum LearnError {
     /// The method learns from signals, and the problem measures none.
     #[error("the problem measures no signals: learn it from its cost, with auto, pi2 or cma-es")]
     NoSignals,
-    /// Elites keep what they cost, and the problem's costs are random.
-    #[error("elites keep what they cost under other draws: leave `elites` at 0 where costs are random")]
-    RandomElites,
+    /// The problem, its start or an answer does not fit together.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
     /// A [`Record`](crate::Record) that this problem and method cannot have led to.
     #[error("what was recorded does not belong to this problem and method")]
     WrongRecord,
@@ -147,38 +144,26 @@ pub enum LearnError {
     },
 }
 
-/// Evaluations gather for no longer than this, so that whoever watches sees learning go on.
-const LONGEST_GATHERING: Duration = Duration::from_millis(100);
-
 /// Makes the motions that a session asks for on the current rayon pool: the same numbers for any number of threads.
 ///
-/// Where the problem allows it ([`Problem::may_run_ahead`]), PI2 does not wait for what its updates are found to cost:
-/// evaluations gather until every thread has as many as it likes best, and are made together; where they do not become
-/// as many, beside the batch that is sure to follow. What is handed out, and in which order, stays the same; what nobody
-/// asks for any more never counts.
-pub struct Driver<'p, P: Problem> {
+/// Where the problem allows it ([`Problem::may_run_ahead`]), the evaluation of an update of PI2 is one more rollout of
+/// the batch that is sure to follow, which is told after it. What nobody asks for any more never counts.
+pub struct LearningLoop<'p, P: Problem> {
     problem: &'p P,
-    /// Told of what was handed out.
     session: Session,
-    /// Told of all that was made, where that is more.
-    ahead: Option<Session>,
-    batch: Crew<P>,
-    evaluations: Crew<P>,
+    batch: RolloutPool<P>,
+    evaluation: RolloutPool<P>,
     /// How many rollouts of a batch are made and not yet told.
     made: Option<usize>,
-    /// What was told to the session ahead and is yet to be handed out.
-    told: VecDeque<Told>,
 }
 
-impl<'p, P: Problem> Driver<'p, P> {
+impl<'p, P: Problem> LearningLoop<'p, P> {
     /// For `session`, wherever it stands, of `problem`; memory is reused from batch to batch.
     pub fn new(problem: &'p P, session: Session) -> Self {
-        let ahead = (problem.may_run_ahead() && session.may_run_ahead()).then(|| session.clone());
-        let (batch, evaluations) = (Crew::default(), Crew::default());
-        Self { problem, session, ahead, batch, evaluations, made: None, told: VecDeque::new() }
+        Self { problem, session, batch: RolloutPool::default(), evaluation: RolloutPool::default(), made: None }
     }
 
-    /// The session, told of all that [`Driver::step`] has handed out.
+    /// The session, told of all that [`LearningLoop::step`] has handed out.
     pub fn session(&self) -> &Session {
         &self.session
     }
@@ -187,88 +172,29 @@ impl<'p, P: Problem> Driver<'p, P> {
     ///
     /// # Errors
     /// As for [`Session::tell`].
-    pub fn step(&mut self) -> Result<Option<Told>, LearnError> {
-        let Self { problem, session, ahead: None, batch, evaluations, .. } = self else { return self.step_behind() };
-        if session.evaluations().len() > 0 {
-            let weights = weights_of(session);
-            evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
-            go_on(*problem)?;
-            return session.tell(&evaluations.costs[..weights.len()], &[]).map(Some);
-        }
-        if !session.has_batch() {
-            return Ok(None);
-        }
-        let count = batch.make_next(*problem, session);
-        go_on(*problem)?;
-        let signals = batch.signals.get(..count).unwrap_or(&[]);
-        session.tell_batch(&batch.costs[..count], signals).map(Some)
-    }
-
-    /// Hands out what was told ahead.
-    fn step_behind(&mut self) -> Result<Option<Told>, LearnError> {
-        if self.told.is_empty() {
-            self.run_ahead()?;
-        }
-        let Some(told) = self.told.pop_front() else { return Ok(None) };
-        self.session.replay(&told.record)?;
-        Ok(Some(told))
-    }
-
-    /// Goes on until evaluations are made or learning is over.
-    fn run_ahead(&mut self) -> Result<(), LearnError> {
-        let begun = Instant::now();
-        let enough = self.enough();
-        let mut updates = Vec::new();
-        loop {
-            let Self { problem, ahead: Some(ahead), batch, made, .. } = self else { return Ok(()) };
-            let due = ahead.evaluations().len();
-            // One that was due from the beginning is handed out before any update.
-            let is_enough = due >= enough || due > updates.len() || begun.elapsed() >= LONGEST_GATHERING;
-            if due > 0 && (is_enough || !ahead.has_batch()) {
-                return self.evaluate(updates);
+    pub fn step(&mut self) -> Result<Option<TellOutcome>, LearnError> {
+        let Self { problem, session, batch, evaluation, made } = self;
+        let Some(weights) = session.due().map(|due| due.weights.clone()) else {
+            if !session.has_batch() {
+                return Ok(None);
             }
-            let count = match made.take() {
-                Some(count) => count,
-                None if ahead.has_batch() => batch.make_next(*problem, ahead),
-                None => return Ok(()),
-            };
+            let count = made.take().unwrap_or_else(|| batch.make_next(*problem, session, None));
             go_on(*problem)?;
-            match ahead.tell_batch(&batch.costs[..count], &[]) {
-                Ok(update) => updates.push(update),
-                Err(_) if due > 0 => {
-                    // The error holds what was learned before: that is found out first.
-                    *made = Some(count);
-                    return self.evaluate(updates);
-                }
-                Err(error) => return Err(error),
-            }
-        }
-    }
-
-    /// How many evaluations keep every thread at work.
-    fn enough(&self) -> usize {
-        self.problem.together() * rayon::current_num_threads()
-    }
-
-    /// Makes the evaluations that are due, to be handed out each after its update; beside the next batch, where they alone
-    /// do not keep every thread at work.
-    fn evaluate(&mut self, updates: Vec<Told>) -> Result<(), LearnError> {
-        let enough = self.enough();
-        let Self { problem, ahead: Some(ahead), batch, evaluations, made, told, .. } = self else { return Ok(()) };
-        let weights = weights_of(ahead);
-        let mut evaluate = || evaluations.make(*problem, Draws::HeldOut, &constant(&weights));
-        if weights.len() < enough && made.is_none() && ahead.has_batch() {
-            *made = Some(rayon::join(|| batch.make_next(*problem, ahead), evaluate).0);
+            let signals = batch.signals.get(..count).unwrap_or(&[]);
+            return session.tell_batch(&batch.costs[..count], signals).map(Some);
+        };
+        // Under draws of its own an evaluation is no rollout of a batch.
+        let runs_ahead = problem.may_run_ahead() && !problem.is_random() && session.has_batch();
+        let cost = if runs_ahead && made.is_none() {
+            let count = batch.make_next(*problem, session, Some(&weights));
+            *made = Some(count);
+            &batch.costs[count]
         } else {
-            evaluate();
-        }
+            evaluation.make(*problem, Draws::HeldOut, &[Parameters::Constant(&weights)]);
+            &evaluation.costs[0]
+        };
         go_on(*problem)?;
-        let mut updates = updates.into_iter();
-        for cost in &evaluations.costs[..weights.len()] {
-            told.extend(updates.next());
-            told.push_back(ahead.tell(slice::from_ref(cost), &[])?);
-        }
-        Ok(())
+        session.tell(slice::from_ref(cost), &[]).map(Some)
     }
 
     /// Goes on to the next evaluation; `None` where learning is over.
@@ -288,7 +214,7 @@ impl<'p, P: Problem> Driver<'p, P> {
 /// Learns `problem` from `weights` by `method` on the current rayon pool: the same numbers for any number of threads.
 ///
 /// `observe` sees the start and every update, in order; it returns whether to go on. No more than `max_rollouts` motions
-/// are made; every motion counts, but for those made ahead of the evaluation that `observe` stops at ([`Driver`]).
+/// are made; every motion counts, but for those made ahead of the evaluation that `observe` stops at ([`LearningLoop`]).
 ///
 /// # Errors
 /// [`LearnError`] where the start costs no finite amount, the method needs signals that are not there, or every
@@ -301,13 +227,13 @@ pub fn learn_with<P: Problem>(
     mut observe: impl FnMut(&Progress) -> bool,
 ) -> Result<History, LearnError> {
     let session = Session::begin(problem, weights, method, max_rollouts)?;
-    let mut driver = Driver::new(problem, session);
-    while let Some(progress) = driver.advance()? {
+    let mut learning = LearningLoop::new(problem, session);
+    while let Some(progress) = learning.advance()? {
         if !observe(&progress) {
             break;
         }
     }
-    Ok(driver.session().history())
+    Ok(learning.session().history())
 }
 
 /// [`learn_with`] PI2.
@@ -327,11 +253,6 @@ pub fn learn<P: Problem>(
 /// Whether what was made last is a result.
 fn go_on<P: Problem>(problem: &P) -> Result<(), LearnError> {
     if problem.is_stopped() { Err(LearnError::Stopped) } else { Ok(()) }
-}
-
-/// What `session` is to have evaluated.
-fn weights_of(session: &Session) -> Vec<Vec<f64>> {
-    session.evaluations().map(|progress| progress.weights.clone()).collect()
 }
 
 /// The parameters of one motion each.

@@ -69,7 +69,7 @@ impl Default for GaussNewtonOptions {
 
 /// Why learning ended by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Settled {
+pub enum Exhausted {
     /// With the response freshly learned, no step lowers the cost.
     NothingImproves,
     /// The noise of the signals hides what smaller perturbations do.
@@ -78,7 +78,7 @@ pub enum Settled {
     NoSignals,
 }
 
-impl core::fmt::Display for Settled {
+impl core::fmt::Display for Exhausted {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::NothingImproves => "nothing improves: no step lowers the cost, with the response freshly learned",
@@ -89,7 +89,7 @@ impl core::fmt::Display for Settled {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum BatchKind {
     Look,
     Listen,
     Bend,
@@ -112,7 +112,7 @@ enum Stage {
 ///     distances: vec![],
 /// };
 /// let mut learner = GaussNewton::new(&[block("a"), block("b")], &model, vec![1.0, 1.0], GaussNewtonOptions::default());
-/// while learner.settled().is_none() {
+/// while learner.exhausted().is_none() {
 ///     let signals: Vec<Vec<f64>> = learner.ask().iter().map(|w| vec![w[0] - 3.0, w[1] * w[1] - 4.0]).collect();
 ///     learner.tell(&signals);
 /// }
@@ -128,7 +128,7 @@ pub struct GaussNewton {
     damping: Vec<f64>,
     /// Ways of the perturbations, one sign per parameter.
     signs: Vec<f64>,
-    stage: Stage,
+    stage: BatchKind,
     queue: Vec<Vec<f64>>,
     told: Vec<Rollout>,
     /// Rollouts of the stage before that this one needs.
@@ -141,7 +141,7 @@ pub struct GaussNewton {
     /// How often the perturbations may yet shrink.
     shrinks: usize,
     is_coupled: bool,
-    settled: Option<Settled>,
+    exhausted: Option<Exhausted>,
 }
 
 impl GaussNewton {
@@ -158,7 +158,7 @@ impl GaussNewton {
             damping: vec![1.0; groups.len()],
             groups,
             signs,
-            stage: Stage::Look,
+            stage: BatchKind::Look,
             queue: Vec::new(),
             told: Vec::new(),
             kept: Vec::new(),
@@ -168,7 +168,7 @@ impl GaussNewton {
             is_fresh: true,
             shrinks: MOST_SHRINKS,
             is_coupled: false,
-            settled: None,
+            exhausted: None,
         };
         learner.plan_look();
         learner
@@ -181,7 +181,7 @@ impl GaussNewton {
         self
     }
 
-    /// The samples to roll out next: at most the options' `rollouts`, none once learning has settled.
+    /// The samples to roll out next: at most the options' `rollouts`, none once learning has exhausted.
     pub fn ask(&self) -> &[Vec<f64>] {
         &self.queue[..self.queue.len().min(self.options.rollouts.max(1))]
     }
@@ -191,16 +191,16 @@ impl GaussNewton {
     pub fn tell(&mut self, signals: &[Vec<f64>]) -> usize {
         let samples = self.queue.drain(..signals.len());
         self.told.extend(samples.zip(signals).map(|(weights, signals)| Rollout { weights, signals: signals.clone() }));
-        if self.queue.is_empty() && self.settled.is_none() {
+        if self.queue.is_empty() && self.exhausted.is_none() {
             let mut told = core::mem::take(&mut self.kept);
             told.append(&mut self.told);
             match self.stage {
-                Stage::Look => self.looked(told),
-                Stage::Listen => self.listened(told),
-                Stage::Bend => self.bent(&told),
-                Stage::Columns => self.answered(&told),
-                Stage::Try => self.tried(told),
-                Stage::Correct => self.corrected(&told),
+                BatchKind::Look => self.looked(told),
+                BatchKind::Listen => self.listened(told),
+                BatchKind::Bend => self.bent(&told),
+                BatchKind::Columns => self.answered(&told),
+                BatchKind::Try => self.tried(told),
+                BatchKind::Correct => self.corrected(&told),
             }
         }
         signals.iter().filter(|signals| !signals.iter().all(|signal| signal.is_finite())).count()
@@ -228,8 +228,8 @@ impl GaussNewton {
     }
 
     /// Why learning is over, once it is.
-    pub fn settled(&self) -> Option<Settled> {
-        self.settled
+    pub fn exhausted(&self) -> Option<Exhausted> {
+        self.exhausted
     }
 
     /// Whether groups were found to act on each other's signals.
@@ -264,7 +264,7 @@ impl GaussNewton {
                 self.queue.push(self.sample(alone));
             }
         }
-        self.stage = Stage::Look;
+        self.stage = BatchKind::Look;
     }
 
     /// Halves every perturbation; false, and the end, where nothing is left of them.
@@ -274,14 +274,14 @@ impl GaussNewton {
         }
         let is_left = self.groups.iter().any(|group| group.units.iter().any(|unit| *unit > 0.0));
         if !is_left {
-            self.settled = Some(Settled::NoSignals);
+            self.exhausted = Some(Exhausted::NoSignals);
         }
         is_left
     }
 
     fn looked(&mut self, told: Vec<Rollout>) {
         if !told[..2].iter().all(Rollout::is_finite) {
-            self.settled = Some(Settled::NoSignals);
+            self.exhausted = Some(Exhausted::NoSignals);
         } else if !told.iter().all(Rollout::is_finite) {
             if self.halve() {
                 self.plan_look();
@@ -290,7 +290,7 @@ impl GaussNewton {
             self.listened(told);
         } else {
             self.queue = vec![self.weights(); MORE_LOOKS];
-            self.stage = Stage::Listen;
+            self.stage = BatchKind::Listen;
             self.kept = told;
         }
     }
@@ -302,10 +302,10 @@ impl GaussNewton {
         let looks: Vec<&Rollout> =
             told.iter().enumerate().filter(|(i, rollout)| is_look(*i) && rollout.is_finite()).map(|(_, r)| r).collect();
         let mean = Rollout::mean(&looks);
-        let settle = |group: &mut Response| {
+        let exhaust = |group: &mut Response| {
             group.settle(mean.of(group), &looks.iter().map(|look| look.of(group)).collect::<Vec<_>>());
         };
-        self.groups.iter_mut().for_each(settle);
+        self.groups.iter_mut().for_each(exhaust);
         let change =
             |group: &Response, rollout: &Rollout| (rollout.of(group).signals - &group.base.signals).norm_squared();
         self.is_coupled = self.groups.iter().enumerate().any(|(b, group)| {
@@ -320,7 +320,7 @@ impl GaussNewton {
             let whole = SignalGroup { parameters: 0..weights.len(), signals: 0..signals };
             self.groups = vec![Response::new(&whole, &self.blocks, &self.model, &weights)];
             self.damping = vec![1.0];
-            self.groups.iter_mut().for_each(settle);
+            self.groups.iter_mut().for_each(exhaust);
         }
         self.plan_bend();
     }
@@ -339,7 +339,7 @@ impl GaussNewton {
         };
         let plan = bend_plan(most);
         self.queue = plan.iter().map(|(blocks, size)| self.sample(|_, group| moved(group, blocks, *size))).collect();
-        self.stage = Stage::Bend;
+        self.stage = BatchKind::Bend;
     }
 
     fn bent(&mut self, told: &[Rollout]) {
@@ -367,7 +367,7 @@ impl GaussNewton {
         let alone = |j: usize| self.sample(|_, group| group.perturbed(|i| if i == j { 1.0 } else { 0.0 }));
         self.queue = columns.iter().map(|&j| alone(j)).collect();
         self.columns = columns;
-        self.stage = Stage::Columns;
+        self.stage = BatchKind::Columns;
     }
 
     fn answered(&mut self, told: &[Rollout]) {
@@ -420,7 +420,7 @@ impl GaussNewton {
 
     fn plan_trials(&mut self) {
         self.queue = TRIALS.map(|factor| self.landing(self.steps(None, factor))).to_vec();
-        self.stage = Stage::Try;
+        self.stage = BatchKind::Try;
     }
 
     fn tried(&mut self, told: Vec<Rollout>) {
@@ -438,7 +438,7 @@ impl GaussNewton {
             self.corrected(&told);
         } else {
             self.kept = told;
-            self.stage = Stage::Correct;
+            self.stage = BatchKind::Correct;
         }
     }
 
@@ -476,9 +476,9 @@ impl GaussNewton {
         if self.stalls < MOST_STALLS {
             self.plan_trials();
         } else if self.is_fresh && self.shrinks == 0 {
-            self.settled = Some(Settled::NothingImproves);
+            self.exhausted = Some(Exhausted::NothingImproves);
         } else if self.is_fresh && self.groups.iter().all(Response::is_hidden_when_smaller) {
-            self.settled = Some(Settled::Noise);
+            self.exhausted = Some(Exhausted::Noise);
         } else if self.is_fresh {
             self.shrinks -= 1;
             self.stalls = 0;

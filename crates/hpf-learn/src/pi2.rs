@@ -28,9 +28,9 @@ use rayon::prelude::*;
 
 use crate::noise::stream;
 use crate::weighting::{Pack, softmax};
-use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, Temperature};
+use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, ShapeError, Temperature, shape};
 use bases::Bases;
-use update::{Inputs, Rooms};
+use update::{Inputs, Scratch};
 
 /// Which cost a step answers for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +60,6 @@ pub struct Pi2Options {
     pub covariance: Covariance,
     /// Whether a step moves the weights along its basis vector only (M_t), or as the rollouts went.
     pub is_projected: bool,
-    /// The cheapest rollouts so far that take part in the next update again; needs costs that are not random.
-    pub elites: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -78,7 +76,6 @@ impl Default for Pi2Options {
             anneal: Anneal::Linear { last: 0.1 },
             covariance: Covariance::Fixed,
             is_projected: true,
-            elites: 0,
             seed: 1,
         }
     }
@@ -113,6 +110,9 @@ pub enum Pi2Error {
         /// Rollouts in its batch.
         rollouts: usize,
     },
+    /// Samples and costs that do not fit together.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
 }
 
 /// The samples of one update: K sets of parameters, or K x N where exploration is drawn at every step.
@@ -145,11 +145,6 @@ impl Batch {
         &self.samples[k * length..(k + 1) * length]
     }
 
-    /// Adds a sample of the same kind.
-    pub(crate) fn push(&mut self, rows: &[f64]) {
-        self.samples.extend(rows);
-    }
-
     /// The parameters of rollout `k`.
     pub fn sample(&self, k: usize) -> Parameters<'_> {
         parameters(self.rows(k), self.rows, self.count)
@@ -173,7 +168,7 @@ pub struct Pi2 {
     /// Standard deviation of each parameter's exploration before annealing, as a fraction of its block's noise.
     spread: Vec<f64>,
     update: usize,
-    rooms: Rooms,
+    scratch: Scratch,
     instructions: pulp::Arch,
 }
 
@@ -198,7 +193,16 @@ impl BlockState {
 
 impl Pi2 {
     /// A learner that starts from `weights`, all blocks one after the other, each row of the blocks' tables a step.
-    pub fn new(blocks: &[Block], steps: usize, weights: Vec<f64>, options: Pi2Options) -> Self {
+    ///
+    /// # Errors
+    /// [`ShapeError`] where they do not fit together.
+    pub fn new(blocks: &[Block], steps: usize, weights: Vec<f64>, options: Pi2Options) -> Result<Self, ShapeError> {
+        shape::check(blocks, steps, weights.len(), true)?;
+        Ok(Self::checked(blocks, steps, weights, options))
+    }
+
+    /// The same of what is known to fit together.
+    pub(crate) fn checked(blocks: &[Block], steps: usize, weights: Vec<f64>, options: Pi2Options) -> Self {
         let bases = Arc::new(Bases::new(blocks, steps, options.is_projected));
         let mut start = 0;
         let blocks = blocks
@@ -210,8 +214,8 @@ impl Pi2 {
             })
             .collect();
         let spread = vec![1.0; weights.len()];
-        let (rooms, instructions) = (Rooms::default(), pulp::Arch::new());
-        Self { options, steps, blocks, bases, weights, spread, update: 0, rooms, instructions }
+        let (scratch, instructions) = (Scratch::default(), pulp::Arch::new());
+        Self { options, steps, blocks, bases, weights, spread, update: 0, scratch, instructions }
     }
 
     /// The same learner in the instructions that every processor has, for comparison: it is slower, and every number is
@@ -233,9 +237,16 @@ impl Pi2 {
     }
 
     /// The same learner with another spread, one number per parameter.
-    #[must_use]
-    pub fn with_spread(mut self, spread: Vec<f64>) -> Self {
-        assert_eq!(spread.len(), self.weights.len(), "one number per parameter");
+    ///
+    /// # Errors
+    /// [`ShapeError`] for another number of them.
+    pub fn with_spread(self, spread: Vec<f64>) -> Result<Self, ShapeError> {
+        shape::length("spread", spread.len(), self.weights.len())?;
+        Ok(self.with_own_spread(spread))
+    }
+
+    /// The same of as many numbers as there are parameters.
+    pub(crate) fn with_own_spread(mut self, spread: Vec<f64>) -> Self {
         self.spread = spread;
         self
     }
@@ -332,10 +343,12 @@ impl Pi2 {
     /// Returns how many rollouts were rejected because their cost is not finite.
     ///
     /// # Errors
-    /// [`Pi2Error::AllRejected`] where none is left; the parameters stay as they are and the update is not counted.
+    /// [`Pi2Error::AllRejected`] where none is left, [`Pi2Error::Shape`] where samples and costs are not those of an
+    /// update of this learner; the parameters stay as they are and the update is not counted.
     pub fn tell(&mut self, batch: &Batch, costs: &[Cost]) -> Result<usize, Pi2Error> {
+        self.check(batch, costs)?;
         let Pi2Options { temperature, credit, .. } = self.options;
-        let mut rooms = core::mem::take(&mut self.rooms);
+        let mut scratch = core::mem::take(&mut self.scratch);
         let inputs = Inputs {
             bases: &self.bases,
             steps: self.steps,
@@ -346,25 +359,36 @@ impl Pi2 {
             costs,
             instructions: self.instructions,
         };
-        if !rooms.take(&inputs) {
-            self.rooms = rooms;
+        if !scratch.take(&inputs) {
+            self.scratch = scratch;
             return Err(Pi2Error::AllRejected { update: self.update, rollouts: costs.len() });
         }
-        let rejected = costs.len() - rooms.kept().count();
-        rooms.improve(&inputs);
+        let rejected = costs.len() - scratch.kept().count();
+        scratch.improve(&inputs);
         if self.options.covariance != Covariance::Fixed {
-            let kept: Vec<usize> = rooms.kept().collect();
+            let kept: Vec<usize> = scratch.kept().collect();
             self.adapt(batch, costs, &kept);
         }
         for block in &self.blocks {
             let own = block.start..block.start + block.count;
-            for (weight, change) in self.weights[own.clone()].iter_mut().zip(&rooms.changes()[own]) {
+            for (weight, change) in self.weights[own.clone()].iter_mut().zip(&scratch.changes()[own]) {
                 *weight = (*weight + change).clamp(block.min, block.max);
             }
         }
-        self.rooms = rooms;
+        self.scratch = scratch;
         self.update += 1;
         Ok(rejected)
+    }
+
+    /// That `batch` is one of this learner, and that there is a cost of every step of each of its samples. A cost without
+    /// steps is one of a total alone.
+    fn check(&self, batch: &Batch, costs: &[Cost]) -> Result<(), ShapeError> {
+        shape::length("parameters of a sample", batch.count, self.weights.len())?;
+        shape::length("costs", costs.len(), batch.len())?;
+        let mut of_steps = costs.iter().enumerate().filter(|(_, cost)| !cost.running.is_empty());
+        of_steps.try_for_each(|(k, cost)| {
+            shape::length(format_args!("steps of cost {k}"), cost.running.len().min(self.steps), self.steps)
+        })
     }
 
     /// Lets the spread follow that of the rollouts that weigh.

@@ -128,8 +128,8 @@ pub trait Problem: Sync {
         1
     }
 
-    /// Whether a rollout costs something else under other draws, so that what is said of a policy has to come from draws
-    /// that learning did not see.
+    /// Whether a rollout costs something else under other [`Draws`], so that what is said of a policy has to come from
+    /// draws that learning did not see.
     fn is_random(&self) -> bool {
         self.motions() > 1
     }
@@ -143,8 +143,8 @@ pub trait Problem: Sync {
     /// Makes one rollout and writes what it cost, the mean over `draws`. A rollout that failed costs NaN or infinity.
     fn rollout(&self, draws: Draws, parameters: Parameters<'_>, workspace: &mut Self::Workspace, cost: &mut Cost);
 
-    /// How many rollouts one call of [`Problem::rollouts`] likes best, at least one.
-    fn together(&self) -> usize {
+    /// How many rollouts one call of [`Problem::rollouts`] makes best, at least one.
+    fn batch_size(&self) -> usize {
         1
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Cost, Elite};
+use crate::Cost;
 
 /// What a motion cost, all steps together.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -49,7 +49,5 @@ pub enum Record {
         rejected: usize,
         /// The cheapest sample, where samples are evaluations.
         cheapest: Option<(Vec<f64>, Price)>,
-        /// The rollouts that take part in the next update again.
-        elites: Vec<Elite>,
     },
 }

@@ -5,29 +5,38 @@ use rayon::prelude::*;
 use crate::session::Session;
 use crate::{Cost, Draws, Parameters, Problem};
 
-/// Makes rollouts, again and again in the same rooms.
-pub(crate) struct Crew<P: Problem> {
+/// Makes rollouts, again and again in the same memory.
+pub(crate) struct RolloutPool<P: Problem> {
     workspaces: Vec<P::Workspace>,
-    /// What each rollout cost that was made last; rooms of others may follow.
+    /// What each rollout cost that was made last; others may follow.
     pub(crate) costs: Vec<Cost>,
     /// The signals of each, where they were asked for.
     pub(crate) signals: Vec<Vec<f64>>,
 }
 
-impl<P: Problem> Default for Crew<P> {
+impl<P: Problem> Default for RolloutPool<P> {
     fn default() -> Self {
         Self { workspaces: Vec::new(), costs: Vec::new(), signals: Vec::new() }
     }
 }
 
-impl<P: Problem> Crew<P> {
-    /// Makes the batch that `session` asks for next; returns how many rollouts it has.
-    pub(crate) fn make_next(&mut self, problem: &P, session: &mut Session) -> usize {
+impl<P: Problem> RolloutPool<P> {
+    /// Makes the batch that `session` asks for next; returns how many rollouts it has. Behind them in `costs` is that of
+    /// `evaluated`, where there are such parameters: as one more rollout, where a group has room for it.
+    pub(crate) fn make_next(&mut self, problem: &P, session: &mut Session, evaluated: Option<&[f64]>) -> usize {
         if let Some((learner, batch)) = session.drawing() {
             // A thread draws what it rolls out: the numbers need not go from one to the other.
-            let count = learner.begin(batch);
-            let groups = learner.groups(batch, problem.together());
-            self.make_groups(problem, Draws::Update(learner.update()), count, groups);
+            let (count, size) = (learner.begin(batch), problem.batch_size());
+            let draws = Draws::Update(learner.update());
+            let groups = learner.groups(batch, size);
+            let (last, evaluated) = (groups.len() - 1, evaluated.map(Parameters::Constant));
+            let (joined, own) = if count % size == 0 { (None, evaluated) } else { (evaluated, None) };
+            let groups = groups.enumerate().map(|(i, mut group)| {
+                group.extend(joined.filter(|_| i == last));
+                group
+            });
+            let groups = groups.chain(own.map(|evaluated| vec![evaluated]));
+            self.make_groups(problem, draws, count + usize::from(evaluated.is_some()), groups);
             return count;
         }
         let ask = session.ask_batch();
@@ -41,7 +50,7 @@ impl<P: Problem> Crew<P> {
 
     /// Makes a rollout of each of `samples`.
     pub(crate) fn make(&mut self, problem: &P, draws: Draws, samples: &[Parameters<'_>]) {
-        self.make_groups(problem, draws, samples.len(), samples.par_chunks(problem.together()));
+        self.make_groups(problem, draws, samples.len(), samples.par_chunks(problem.batch_size()));
     }
 
     /// Makes `count` rollouts, a group on one thread.
@@ -49,7 +58,7 @@ impl<P: Problem> Crew<P> {
     where
         G::Item: AsRef<[Parameters<'s>]>,
     {
-        let together = problem.together();
+        let together = problem.batch_size();
         let workspaces = first(&mut self.workspaces, groups.len(), || problem.workspace());
         let costs = first(&mut self.costs, count, Cost::default);
         // Singly, for a thread does not give away half of what it has taken.
@@ -72,8 +81,8 @@ impl<P: Problem> Crew<P> {
     }
 }
 
-/// The first `count` rooms, made where there are fewer.
-fn first<T>(rooms: &mut Vec<T>, count: usize, make: impl FnMut() -> T) -> &mut [T] {
-    rooms.resize_with(count.max(rooms.len()), make);
-    &mut rooms[..count]
+/// The first `count` entries, made where there are fewer.
+fn first<T>(entries: &mut Vec<T>, count: usize, make: impl FnMut() -> T) -> &mut [T] {
+    entries.resize_with(count.max(entries.len()), make);
+    &mut entries[..count]
 }

@@ -12,9 +12,6 @@
 //! draws it learned from: the start, and the cheapest motion of each update, are then rolled out once more under those
 //! held out, and these are the evaluations.
 //!
-//! Batches of PI2 may be told before the evaluations that are due, which are then told in their order: what comes of it is
-//! the same.
-//!
 //! A session is a function of its settings and of the [`Record`]s it was told: replayed, it is in the same state to the
 //! bit, for random numbers come from (seed, update, rollout) and not from a generator that runs along.
 
@@ -22,21 +19,15 @@ mod learner;
 mod replay;
 mod seek;
 
-use std::collections::VecDeque;
-
 use crate::auto::{Patience, roots};
 use crate::drive::constant;
-use crate::elites::{choose, join};
 use crate::record::{Price, Record};
 use crate::{
-    Batch, CmaEs, Cost, Draws, Elite, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error, Problem, Progress,
-    Stop,
+    Batch, CmaEs, Cost, Draws, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error, Problem, Progress,
+    TerminationReason, shape,
 };
 use learner::Learner;
-use seek::{Plan, Seek, stage_of};
-
-/// What telling must bring.
-const ONE_EACH: &str = "one cost for each sample asked for";
+use seek::{Plan, Seek, active_method};
 
 /// What to roll out next.
 #[derive(Debug)]
@@ -51,7 +42,7 @@ pub struct Ask<'s> {
 
 /// What came of telling.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct TellOutcome {
     /// What to keep in order to come back to this state.
     pub record: Record,
     /// The evaluation, where one was complete: the start, or an update.
@@ -85,7 +76,7 @@ pub struct Told {
 /// }
 /// assert!((session.history().best.weights[0] - 3.0).abs() < 0.01);
 ///
-/// // Told the same again, another session is where this one is.
+/// // TellOutcome the same again, another session is where this one is.
 /// let mut again = Session::begin(&problem, vec![1.0], &method, None)?;
 /// records.iter().try_for_each(|record| again.replay(record).map(drop))?;
 /// assert_eq!(again.history(), session.history());
@@ -93,21 +84,18 @@ pub struct Told {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Session {
-    stage: Stage,
-    /// Where updates led, yet to be evaluated: rolled out before anything else that must know what comes of them. The
-    /// start is the first of them.
-    evaluations: VecDeque<Progress>,
+    method: ActiveMethod,
+    /// Where the last update led, yet to be evaluated; at first the start.
+    due: Option<Progress>,
     /// The samples of PI2 that are rolled out.
     batch: Option<Batch>,
     /// The batch before, for its room.
     spare: Batch,
     history: History,
     /// Rollouts that take part in the next update of PI2 again, and how many there are at most.
-    elites: Vec<Elite>,
-    most_elites: usize,
     /// The cheapest motion of the running update, where motions are evaluations.
     cheapest: Option<(Vec<f64>, Price)>,
-    over: Option<Stop>,
+    over: Option<TerminationReason>,
     updates: usize,
     /// Rollouts of a batch.
     rollouts: usize,
@@ -123,7 +111,7 @@ pub struct Session {
 }
 
 #[derive(Clone, Debug)]
-enum Stage {
+enum ActiveMethod {
     Pi2(Box<Pi2>),
     /// Signals, or the costs of the steps.
     Signals(Box<Learner>),
@@ -136,8 +124,8 @@ impl Session {
     /// Begins to learn `problem` from `weights` by `method`.
     ///
     /// # Errors
-    /// [`LearnError::NoSignals`] where the method needs signals that the problem does not measure,
-    /// [`LearnError::RandomElites`] where it keeps costs that are random.
+    /// [`LearnError::Shape`] where blocks and `weights` do not fit together, [`LearnError::NoSignals`] where the method
+    /// needs signals that the problem does not measure.
     pub fn begin<P: Problem>(
         problem: &P,
         weights: Vec<f64>,
@@ -145,31 +133,38 @@ impl Session {
         max_rollouts: Option<usize>,
     ) -> Result<Self, LearnError> {
         let (blocks, steps) = (problem.blocks(), problem.steps());
+        let has_tables = match method {
+            Method::Pi2(_) => true,
+            Method::Auto(_) => problem.signals().is_none(),
+            Method::GaussNewton(_) | Method::CmaEs(_) => false,
+        };
+        shape::check(blocks, steps, weights.len(), has_tables)?;
         let start = weights.clone();
-        let most_elites = if let Method::Pi2(options) = method { options.elites } else { 0 };
-        if most_elites > 0 && problem.is_random() {
-            return Err(LearnError::RandomElites);
-        }
-        let stage = stage_of(method, (blocks, steps), problem.signals(), weights)?;
+        let active = active_method(method, (blocks, steps), problem.signals(), weights)?;
         let is_auto = matches!(method, Method::Auto(_));
         let notes = (is_auto && problem.signals().is_none()).then_some(Note::NoSignals).into_iter().collect();
         let plan = problem.may_start_fail().then(|| Box::new(Plan::new(problem, method)));
-        let exploration = if let Stage::Pi2(learner) = &stage { learner.exploration() } else { 1.0 };
+        let exploration = if let ActiveMethod::Pi2(learner) = &active { learner.exploration() } else { 1.0 };
         let initial =
             Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
         let motions = problem.motions().max(1);
         let is_random = problem.is_random();
-        let starts_with_batch = !is_random && matches!(stage, Stage::Signals(..));
-        let evaluations = (!starts_with_batch).then(|| initial.clone()).into_iter().collect();
-        let history =
-            History { best: initial.clone(), initial, updates: 0, rollouts: 0, rejected: 0, stop: Stop::Asked, notes };
+        let starts_with_batch = !is_random && matches!(active, ActiveMethod::Signals(..));
+        let due = (!starts_with_batch).then(|| initial.clone());
+        let history = History {
+            best: initial.clone(),
+            initial,
+            updates: 0,
+            rollouts: 0,
+            rejected: 0,
+            stop: TerminationReason::Requested,
+            notes,
+        };
         Ok(Self {
-            stage,
-            evaluations,
+            method: active,
+            due,
             batch: None,
             spare: Batch::default(),
-            elites: Vec::new(),
-            most_elites,
             history,
             cheapest: None,
             over: None,
@@ -185,36 +180,31 @@ impl Session {
 
     /// What to roll out next; `None` where learning is over. The same until something is told.
     pub fn ask(&mut self) -> Option<Ask<'_>> {
-        if self.evaluations.is_empty() {
+        if self.due.is_none() {
             return if self.over.is_none() { Some(self.ask_batch()) } else { None };
         }
-        let samples = constant(self.evaluations.iter().take(1).map(|progress| &progress.weights));
+        let samples = constant(self.due.iter().map(|due| &due.weights));
         Some(Ask { draws: Draws::HeldOut, samples, wants_signals: false })
     }
 
-    /// What is yet to be evaluated, in this order.
-    pub(crate) fn evaluations(&self) -> impl ExactSizeIterator<Item = &Progress> {
-        self.evaluations.iter()
+    /// What is yet to be evaluated.
+    pub(crate) fn due(&self) -> Option<&Progress> {
+        self.due.as_ref()
     }
 
-    /// Whether the method asks for batches before it knows what its updates cost.
-    pub(crate) fn may_run_ahead(&self) -> bool {
-        matches!(self.stage, Stage::Pi2(_))
-    }
-
-    /// Whether a batch may be told: where evaluations are due, one that is certain to follow whatever comes of them.
+    /// Whether a batch follows: where an evaluation is due, whatever comes of it.
     pub(crate) fn has_batch(&self) -> bool {
-        match self.evaluations.front() {
+        match &self.due {
             None => self.over.is_none(),
-            Some(due) => due.update > 0 && self.may_run_ahead() && self.limit().is_none(),
+            Some(due) => due.update > 0 && matches!(self.method, ActiveMethod::Pi2(_)) && self.limit().is_none(),
         }
     }
 
     /// PI2 and room for the samples that it is to draw, where the batch is one of its.
     pub(crate) fn drawing(&mut self) -> Option<(&Pi2, &mut Batch)> {
-        match &self.stage {
+        match &self.method {
             _ if self.seek.is_some() => None,
-            Stage::Pi2(learner) | Stage::Polish(learner, _) => {
+            ActiveMethod::Pi2(learner) | ActiveMethod::Polish(learner, _) => {
                 let batch = self.batch.get_or_insert_with(|| core::mem::take(&mut self.spare));
                 Some((learner, batch))
             }
@@ -228,8 +218,8 @@ impl Session {
             let samples = constant(seek.ask(self.rollouts.clamp(1, room)));
             return Ask { draws: Draws::HeldOut, samples, wants_signals: false };
         }
-        let (draws, samples, wants_signals) = match &self.stage {
-            Stage::Pi2(learner) | Stage::Polish(learner, _) => {
+        let (draws, samples, wants_signals) = match &self.method {
+            ActiveMethod::Pi2(learner) | ActiveMethod::Polish(learner, _) => {
                 let batch = self.batch.get_or_insert_with(|| {
                     let mut batch = core::mem::take(&mut self.spare);
                     learner.ask_into(&mut batch);
@@ -238,12 +228,12 @@ impl Session {
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
                 (Draws::Update(learner.update()), samples, false)
             }
-            Stage::Signals(learner) => {
+            ActiveMethod::Signals(learner) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
                 (Draws::Update(0), constant(samples.iter().take(room)), learner.wants_signals())
             }
-            Stage::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
+            ActiveMethod::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
         };
         Ask { draws, samples, wants_signals }
     }
@@ -255,13 +245,13 @@ impl Session {
     }
 
     /// What forbids another batch, once all is evaluated that is due.
-    fn limit(&self) -> Option<Stop> {
-        let rollouts = if matches!(self.stage, Stage::Signals(..)) { 1 } else { self.rollouts };
-        let needed = (self.evaluations.len() + rollouts + usize::from(self.is_judged())) * self.motions;
+    fn limit(&self) -> Option<TerminationReason> {
+        let rollouts = if matches!(self.method, ActiveMethod::Signals(..)) { 1 } else { self.rollouts };
+        let needed = (usize::from(self.due.is_some()) + rollouts + usize::from(self.is_judged())) * self.motions;
         if self.history.updates >= self.updates {
-            Some(Stop::Updates)
+            Some(TerminationReason::Updates)
         } else if self.history.rollouts + needed > self.max_rollouts {
-            Some(Stop::Rollouts)
+            Some(TerminationReason::Rollouts)
         } else {
             None
         }
@@ -269,7 +259,7 @@ impl Session {
 
     /// Whether the outcome of an update is rolled out once more.
     fn is_judged(&self) -> bool {
-        self.is_random || matches!(self.stage, Stage::Pi2(_))
+        self.is_random || matches!(self.method, ActiveMethod::Pi2(_))
     }
 
     /// Takes what came of the samples of [`Session::ask`], in their order: a cost each, and where they were asked for
@@ -278,21 +268,20 @@ impl Session {
     /// # Errors
     /// [`LearnError::BadStart`] where the start costs no finite amount, [`LearnError::NoStart`] where it may fail and
     /// nothing near it does not, [`LearnError::Update`] where no sample of an update costs a finite amount.
-    ///
-    /// # Panics
-    /// Where something else was asked for: another number of samples, or signals that are not there.
-    pub fn tell(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<Told, LearnError> {
-        if self.evaluations.is_empty() {
+    /// [`LearnError::Shape`] where something else was asked for: another number of samples, or signals that are not there;
+    /// then nothing has changed.
+    pub fn tell(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<TellOutcome, LearnError> {
+        if self.due.is_none() {
             return self.tell_batch(costs, signals);
         }
-        let [cost] = costs else { panic!("{ONE_EACH}") };
-        let record = Record::Costs(vec![Price::from(cost)]);
+        shape::length("costs", costs.len(), 1)?;
+        let record = Record::Costs(costs.iter().map(Price::from).collect());
         let progress = self.replay(&record)?;
-        Ok(Told { record, progress })
+        Ok(TellOutcome { record, progress })
     }
 
     /// Takes what came of the samples of [`Session::ask_batch`].
-    pub(crate) fn tell_batch(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<Told, LearnError> {
+    pub(crate) fn tell_batch(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<TellOutcome, LearnError> {
         let (asked, wants_signals) = match &self.batch {
             Some(batch) => (batch.len(), false),
             None if self.over.is_some() => (0, false),
@@ -301,13 +290,15 @@ impl Session {
                 (ask.samples.len(), ask.wants_signals)
             }
         };
-        assert_eq!(costs.len(), asked, "{ONE_EACH}");
-        assert!(!wants_signals || signals.len() == asked, "the signals of each sample asked for");
+        shape::length("costs", costs.len(), asked)?;
+        if wants_signals {
+            shape::length("signals", signals.len(), asked)?;
+        }
         let prices = || costs.iter().map(Price::from).collect();
-        let record = match &self.stage {
+        let record = match &self.method {
             _ if self.seek.is_some() => Record::Costs(prices()),
-            Stage::Pi2(_) | Stage::Polish(..) => self.update(costs)?,
-            Stage::Signals(..) => {
+            ActiveMethod::Pi2(_) | ActiveMethod::Polish(..) => self.update(costs)?,
+            ActiveMethod::Signals(..) => {
                 let signals_of = |(k, cost): (usize, &Cost)| match wants_signals {
                     false => roots(cost),
                     true if cost.total().is_finite() => signals[k].clone(),
@@ -317,34 +308,27 @@ impl Session {
                 let signals = costs.iter().enumerate().map(signals_of).collect();
                 Record::Signals { prices: prices(), signals }
             }
-            Stage::CmaEs(_) => Record::Costs(prices()),
+            ActiveMethod::CmaEs(_) => Record::Costs(prices()),
         };
         let progress = self.replay(&record)?;
-        Ok(Told { record, progress })
+        Ok(TellOutcome { record, progress })
     }
 
     /// Tells PI2 what its batch cost.
     fn update(&mut self, costs: &[Cost]) -> Result<Record, LearnError> {
         let batch = self.batch.take().expect("a batch was asked for");
-        let (learner, exploration, are_evaluations) = match &mut self.stage {
-            Stage::Pi2(learner) => {
+        let (learner, exploration, are_evaluations) = match &mut self.method {
+            ActiveMethod::Pi2(learner) => {
                 let exploration = learner.exploration();
                 (learner, exploration, false)
             }
-            Stage::Polish(learner, _) => {
+            ActiveMethod::Polish(learner, _) => {
                 let exploration = learner.spread().iter().fold(0.0, |most: f64, spread| most.max(*spread));
                 (learner, exploration, true)
             }
             _ => unreachable!("only PI2 has a batch"),
         };
-        let keeps_elites = self.most_elites > 0 && costs.iter().any(|cost| cost.total().is_finite());
-        let (told, elites) = if keeps_elites {
-            let (joined, costs) = join(&self.elites, &batch, costs);
-            (learner.tell(&joined, &costs), choose(self.most_elites, &joined, &costs))
-        } else {
-            (learner.tell(&batch, costs), Vec::new())
-        };
-        let rejected = match told {
+        let rejected = match learner.tell(&batch, costs) {
             Ok(rejected) => rejected,
             Err(reason) => return Err(self.failed(reason)),
         };
@@ -360,7 +344,6 @@ impl Session {
             exploration,
             rejected,
             cheapest: if are_evaluations { cheapest() } else { None },
-            elites,
         };
         self.spare = batch;
         Ok(record)
@@ -373,22 +356,22 @@ impl Session {
         LearnError::Update { reason, history: Box::new(history) }
     }
 
-    /// What has been learned so far; [`Stop::Asked`] where learning could go on.
+    /// What has been learned so far; [`TerminationReason::Requested`] where learning could go on.
     pub fn history(&self) -> History {
         let mut history = self.history.clone();
-        if let (Stage::Signals(learner), Some((weights, price))) = (&self.stage, &self.cheapest)
+        if let (ActiveMethod::Signals(learner), Some((weights, price))) = (&self.method, &self.cheapest)
             && !self.is_random
             && price.total < history.best.total
         {
             history.best = self.outcome(weights.clone(), learner.reach()).priced(price);
         }
-        history.stop = self.over.unwrap_or(Stop::Asked);
+        history.stop = self.over.unwrap_or(TerminationReason::Requested);
         history
     }
 
     /// Whether the start and every update have been evaluated: a good moment to stop.
     pub fn is_evaluated(&self) -> bool {
-        self.history.rollouts > 0 && self.evaluations.is_empty() && self.seek.is_none()
+        self.history.rollouts > 0 && self.due.is_none() && self.seek.is_none()
     }
 
     /// Whether learning is over by itself.

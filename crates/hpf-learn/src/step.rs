@@ -69,7 +69,7 @@ pub(crate) fn step(groups: &[Response], distances: &[Distance], from: &[Point], 
         for _ in 0..MOST_SQUARES {
             let signals = expect(&x);
             let (mut h, mut g) = (damped.clone(), &damped * &x + &slope);
-            for squares in smooth.iter().filter_map(|(distance, delta)| distance.squares(*delta, &signals)) {
+            for squares in smooth.iter().filter_map(|(distance, delta)| distance.majorizer(*delta, &signals)) {
                 let rows = squares.factor * answers(groups, &squares.signals, n);
                 h += rows.tr_mul(&rows);
                 g += rows.tr_mul(&squares.root);

@@ -3,8 +3,8 @@
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
-    AutoOptions, Block, Cost, Draws, GaussNewton, GaussNewtonOptions, History, LearnError, Method, Note, Parameters,
-    Pi2Options, Problem, Settled, SignalGroup, SignalModel, Stop, learn_with,
+    AutoOptions, Block, Cost, Draws, Exhausted, GaussNewton, GaussNewtonOptions, History, LearnError, Method, Note,
+    Parameters, Pi2Options, Problem, SignalGroup, SignalModel, TerminationReason, learn_with,
 };
 
 const COUNT: usize = 4;
@@ -159,7 +159,7 @@ fn steepest(toy: &Toy, w: &[f64]) -> f64 {
 fn learning_ends_where_the_cost_is_level_and_says_so() {
     let toy = Toy::new();
     let history = learned(&toy, options(7));
-    assert_eq!(history.stop, Stop::Settled(Settled::NothingImproves));
+    assert_eq!(history.stop, TerminationReason::Exhausted(Exhausted::NothingImproves));
     assert!(history.notes.is_empty() && history.rejected == 0);
     // Of a slope of some tens at the start; the last rounds gain less than a thousandth of the cost.
     let (before, after) = (steepest(&toy, &Toy::start()), steepest(&toy, &history.best.weights));
@@ -211,7 +211,7 @@ fn samples_stay_within_their_bounds_and_perturbations_within_the_noise() {
     let toy = Toy::new();
     let mut learner = GaussNewton::new(&toy.blocks, toy.signals().unwrap(), Toy::start(), options(1));
     let mut made = 0;
-    while learner.settled().is_none() {
+    while learner.exhausted().is_none() {
         let sample = learner.ask()[0].clone();
         for (j, w) in sample.iter().enumerate() {
             let block = &toy.blocks[j / COUNT];
@@ -252,7 +252,7 @@ fn rollouts_without_finite_signals_are_rejected_and_perturbations_shrink() {
     let mut only = Toy { model: toy.model.clone(), ..toy };
     only.blocks.iter_mut().filter(|block| block.min > 0.0).for_each(|block| block.min = 1.0);
     let history = learned(&only, options(7));
-    assert_eq!(history.stop, Stop::Settled(Settled::NoSignals));
+    assert_eq!(history.stop, TerminationReason::Exhausted(Exhausted::NoSignals));
     assert_eq!(history.best, history.initial);
 }
 
@@ -275,7 +275,7 @@ fn learning_stops_at_the_motions_allowed_and_when_asked() {
         let method = Method::GaussNewton(options(7));
         let history = learn_with(&toy, Toy::start(), &method, Some(allowed), |_| true).unwrap();
         assert_eq!((history.rollouts, toy.made.load(Ordering::SeqCst)), (allowed, allowed));
-        assert_eq!(history.stop, Stop::Rollouts);
+        assert_eq!(history.stop, TerminationReason::Rollouts);
     }
     let mut seen = Vec::new();
     let method = Method::GaussNewton(options(7));
@@ -284,7 +284,7 @@ fn learning_stops_at_the_motions_allowed_and_when_asked() {
         progress.update < 2
     })
     .unwrap();
-    assert_eq!((history.stop, history.updates, seen[0]), (Stop::Asked, 2, (0, 1)));
+    assert_eq!((history.stop, history.updates, seen[0]), (TerminationReason::Requested, 2, (0, 1)));
     // 4 looks, 5 bends, 8 columns; a round is 3 trials and 2 corrections.
     assert_eq!(seen[1..], [(1, 4 + 5 + 8 + 5), (2, 4 + 5 + 8 + 10)]);
 }
@@ -296,9 +296,9 @@ fn auto_takes_signals_where_there_are_any_and_costs_where_not() {
     assert_eq!(with.best.weights, learned(&Toy::new(), options(10)).best.weights);
     let blind = Toy { model: None, ..Toy::new() };
     let without = learn_with(&blind, Toy::start(), &method, None, |_| true).unwrap();
-    let stalled = Settled::NothingImproves;
-    assert_eq!(without.notes, [Note::NoSignals, Note::Squares(stalled), Note::FellBack(stalled)]);
-    assert_eq!(without.stop, Stop::Settled(Settled::NothingImproves));
+    let stalled = Exhausted::NothingImproves;
+    assert_eq!(without.notes, [Note::NoSignals, Note::StepCosts(stalled), Note::FellBack(stalled)]);
+    assert_eq!(without.stop, TerminationReason::Exhausted(Exhausted::NothingImproves));
     assert_eq!(without.rollouts, blind.made.load(Ordering::SeqCst));
     let gap = |history: &History| history.best.total / with.best.total;
     assert!(gap(&without) < 1.01, "{}", gap(&without));
@@ -313,7 +313,7 @@ fn from_costs(toy: &Toy, rollouts: usize, max_rollouts: usize) -> History {
 fn the_squares_of_costs_are_learned_alike_however_many_rollouts_are_made_at_a_time() {
     let blind = || Toy { model: None, ..Toy::new() };
     let history = from_costs(&blind(), 1, 600);
-    assert_eq!(history.notes, [Note::NoSignals, Note::Squares(Settled::NothingImproves)]);
+    assert_eq!(history.notes, [Note::NoSignals, Note::StepCosts(Exhausted::NothingImproves)]);
     for rollouts in [3, 50] {
         assert_eq!(from_costs(&blind(), rollouts, 600), history);
     }
@@ -323,9 +323,9 @@ fn the_squares_of_costs_are_learned_alike_however_many_rollouts_are_made_at_a_ti
 fn squares_of_costs_are_learned_until_every_perturbation_fails() {
     let toy = Toy { model: None, broken_above: 1.1, ..Toy::new() };
     let history = from_costs(&toy, 10, 1500);
-    assert_eq!(history.notes, [Note::NoSignals, Note::Squares(Settled::NothingImproves)]);
+    assert_eq!(history.notes, [Note::NoSignals, Note::StepCosts(Exhausted::NothingImproves)]);
     // It ends at the wall, where every perturbation of all parameters has one that breaks.
-    assert_eq!(history.stop, Stop::Settled(Settled::NoSignals));
+    assert_eq!(history.stop, TerminationReason::Exhausted(Exhausted::NoSignals));
     assert!(history.rejected > 0);
     assert!(history.best.total < 0.5 * history.initial.total, "{} {}", history.initial.total, history.best.total);
 }
@@ -336,14 +336,14 @@ fn costs_of_parameters_without_noise_end_where_they_began() {
     toy.blocks.iter_mut().for_each(|block| block.noise = 0.0);
     let history = from_costs(&toy, 10, 1000);
     assert_eq!(history.best, history.initial);
-    assert_eq!(history.stop, Stop::Settled(Settled::NothingImproves));
+    assert_eq!(history.stop, TerminationReason::Exhausted(Exhausted::NothingImproves));
 }
 
 #[test]
 fn noisy_costs_are_left_to_pi2_after_their_roots() {
     let toy = Toy { model: None, noise: 1e-3, ..Toy::new() };
     let history = from_costs(&toy, 1, 3000);
-    assert_eq!(history.notes[..], [Note::NoSignals, Note::FellBack(Settled::NothingImproves)]);
+    assert_eq!(history.notes[..], [Note::NoSignals, Note::FellBack(Exhausted::NothingImproves)]);
     assert!(history.best.total < 0.5 * history.initial.total, "{} {}", history.initial.total, history.best.total);
 }
 
@@ -366,9 +366,9 @@ fn a_problem_without_signals_is_refused_by_the_method_that_needs_them() {
 
 #[test]
 fn reasons_and_notes_read_as_sentences() {
-    assert!(Settled::Noise.to_string().starts_with("nothing improves, and the noise"));
-    let note = Note::FellBack(Settled::NothingImproves).to_string();
-    assert_eq!(note, format!("pi2 goes on from the costs of the steps: {}", Settled::NothingImproves));
-    assert!(Note::Squares(Settled::NothingImproves).to_string().ends_with("with the response freshly learned"));
+    assert!(Exhausted::Noise.to_string().starts_with("nothing improves, and the noise"));
+    let note = Note::FellBack(Exhausted::NothingImproves).to_string();
+    assert_eq!(note, format!("pi2 goes on from the costs of the steps: {}", Exhausted::NothingImproves));
+    assert!(Note::StepCosts(Exhausted::NothingImproves).to_string().ends_with("with the response freshly learned"));
     assert!(Note::Coupled.to_string().contains("together"));
 }

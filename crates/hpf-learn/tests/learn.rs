@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use block::{FREE, block};
 use hpf_learn::{
     Anneal, Block, Cost, Credit, Draws, Exploration, History, LearnError, Parameters, Pi2Error, Pi2Options, Problem,
-    Stop, Temperature, learn,
+    Temperature, TerminationReason, learn,
 };
 
 const STEPS: usize = 40;
@@ -100,7 +100,7 @@ fn learning_finds_the_bottom_of_a_bowl() {
         let (first, last) = (history.initial.total - 0.25, history.best.total - 0.25);
         assert!(last >= 0.0 && last < share * first, "{options:?}: {first} -> {last}");
         assert!(history.best.weights[6..].iter().all(|w| (0.5..=2.0).contains(w)));
-        assert_eq!((history.updates, history.rollouts, history.stop), (300, 1 + 300 * 21, Stop::Updates));
+        assert_eq!((history.updates, history.rollouts, history.stop), (300, 1 + 300 * 21, TerminationReason::Updates));
     }
 }
 
@@ -142,13 +142,13 @@ fn learning_never_makes_more_motions_than_allowed() {
         })
         .unwrap();
         assert_eq!((bowl.made(), history.rollouts, history.updates), (made, made, updates), "{allowed} allowed");
-        assert_eq!(history.stop, Stop::Rollouts);
+        assert_eq!(history.stop, TerminationReason::Rollouts);
         let expected: Vec<_> = (0..=updates).map(|u| (u, 1 + 21 * u)).collect();
         assert_eq!(observed, expected);
     }
     let bowl = Bowl::new();
     let history = learn(&bowl, Bowl::start(), options(3), Some(64), |_| true).unwrap();
-    assert_eq!((bowl.made(), history.rollouts, history.updates, history.stop), (64, 64, 3, Stop::Updates));
+    assert_eq!((bowl.made(), history.rollouts, history.updates, history.stop), (64, 64, 3, TerminationReason::Updates));
 }
 
 #[test]
@@ -161,7 +161,10 @@ fn learning_stops_when_the_observer_asks() {
             progress.update < last
         })
         .unwrap();
-        assert_eq!((history.stop, history.updates, bowl.made(), count), (Stop::Asked, last, made, last + 1));
+        assert_eq!(
+            (history.stop, history.updates, bowl.made(), count),
+            (TerminationReason::Requested, last, made, last + 1)
+        );
     }
 }
 
@@ -250,6 +253,6 @@ fn no_updates_leave_the_start() {
     let history = learn(&bowl, Bowl::start(), options(0), None, |_| true).unwrap();
     assert_eq!(
         (history.best.weights.as_slice(), history.stop, bowl.made()),
-        (Bowl::start().as_slice(), Stop::Updates, 1)
+        (Bowl::start().as_slice(), TerminationReason::Updates, 1)
     );
 }

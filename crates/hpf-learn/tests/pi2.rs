@@ -131,7 +131,7 @@ fn transcribed(blocks: &[Block], weights: &[f64], batch: &Batch, costs: &[Cost],
 fn an_update_is_its_formulas_for_every_option() {
     let mut seen = 0;
     for options in every_option(9) {
-        let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
+        let mut learner = Pi2::new(&blocks(), STEPS, start(), options).unwrap();
         for update in 0..3 {
             let before = learner.weights().to_vec();
             let batch = learner.ask();
@@ -163,7 +163,7 @@ fn threads_that_share_an_update_change_no_bit_nor_do_instructions() {
     for temperature in [Temperature::Range(10.0), Temperature::Rank, Temperature::EffectiveSize(9.0)] {
         let options = Pi2Options { rollouts, temperature, ..Pi2Options::default() };
         let start = vec![50.0; 12];
-        let learner = Pi2::new(&blocks, steps, start.clone(), options);
+        let learner = Pi2::new(&blocks, steps, start.clone(), options).unwrap();
         let batch = learner.ask();
         let learned = |mut learner: Pi2, threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -187,7 +187,7 @@ fn one_rollout_at_one_step_moves_the_weights_onto_the_basis_vector() {
     // N = 1: P = 1, the average over steps has one member, dw = M eps.
     let block = block("gain", 3, 1, FREE, 1.0);
     let options = Pi2Options { rollouts: 1, ..Pi2Options::default() };
-    let mut learner = Pi2::new(core::slice::from_ref(&block), 1, vec![0.0; 3], options);
+    let mut learner = Pi2::new(core::slice::from_ref(&block), 1, vec![0.0; 3], options).unwrap();
     let batch = learner.ask();
     let eps = batch.sample(0).at(0).to_vec();
     learner.tell(&batch, &[Cost { running: vec![2.0], terminal: 0.0, terms: vec![] }]).unwrap();
@@ -202,7 +202,7 @@ fn one_rollout_at_one_step_moves_the_weights_onto_the_basis_vector() {
 fn a_black_box_update_is_the_weighted_mean_of_the_samples() {
     let options = Pi2Options { rollouts: 9, temperature: Temperature::Rank, ..Pi2Options::black_box() };
     let free = [block("x", 6, STEPS, FREE, 1.0)];
-    let mut learner = Pi2::new(&free, STEPS, vec![0.0; 6], options);
+    let mut learner = Pi2::new(&free, STEPS, vec![0.0; 6], options).unwrap();
     let batch = learner.ask();
     let costs = costs(9);
     learner.tell(&batch, &costs).unwrap();
@@ -220,7 +220,7 @@ fn a_black_box_update_is_the_weighted_mean_of_the_samples() {
 fn basis_noise_moves_one_parameter_of_each_block_at_a_time() {
     let options = Pi2Options { exploration: Exploration::Basis, ..Pi2Options::default() };
     let two = [block("x", 6, STEPS, FREE, 1.0), block("k", 4, STEPS, FREE, 1.0)];
-    let batch = Pi2::new(&two, STEPS, vec![0.0; 10], options).ask();
+    let batch = Pi2::new(&two, STEPS, vec![0.0; 10], options).unwrap().ask();
     for k in 0..batch.len() {
         let mut values = vec![Vec::new(); 10];
         for t in 0..STEPS {
@@ -242,7 +242,7 @@ fn the_spread_shrinks_where_the_cost_is_steep_and_stays_where_it_is_flat() {
     let covariance = Covariance::Diagonal { floor: 0.05, ceiling: 1.5 };
     let options = Pi2Options { covariance, anneal: Anneal::None, ..Pi2Options::black_box() };
     let free = [block("x", 2, STEPS, FREE, 1.0)];
-    let mut learner = Pi2::new(&free, STEPS, vec![0.0; 2], options);
+    let mut learner = Pi2::new(&free, STEPS, vec![0.0; 2], options).unwrap();
     for _ in 0..40 {
         let batch = learner.ask();
         // Only the first parameter costs anything.
@@ -259,7 +259,7 @@ fn the_spread_shrinks_where_the_cost_is_steep_and_stays_where_it_is_flat() {
 fn samples_stay_within_their_bounds_and_some_lie_on_them() {
     for exploration in [Exploration::Rollout, Exploration::Step] {
         let options = Pi2Options { exploration, ..Pi2Options::default() };
-        let batch = Pi2::new(&blocks(), STEPS, start(), options).ask();
+        let batch = Pi2::new(&blocks(), STEPS, start(), options).unwrap().ask();
         let mut on_bound = 0;
         assert_eq!((batch.len(), batch.is_empty()), (20, false));
         for k in 0..batch.len() {
@@ -280,7 +280,7 @@ fn samples_stay_within_their_bounds_and_some_lie_on_them() {
 #[test]
 fn learned_weights_stay_within_their_bounds() {
     for options in every_option(5) {
-        let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
+        let mut learner = Pi2::new(&blocks(), STEPS, start(), options).unwrap();
         for _ in 0..10 {
             let batch = learner.ask();
             // The stiffer the cheaper: pushes into the bounds.
@@ -307,7 +307,7 @@ fn ask_is_a_function_of_seed_and_update_alone() {
     for exploration in [Exploration::Rollout, Exploration::Step] {
         let options = Pi2Options { exploration, anneal: Anneal::None, ..Pi2Options::default() };
         let free = [block("x", 6, STEPS, FREE, 1.0)];
-        let learner = |seed| Pi2::new(&free, STEPS, vec![0.0; 6], Pi2Options { seed, ..options });
+        let learner = |seed| Pi2::new(&free, STEPS, vec![0.0; 6], Pi2Options { seed, ..options }).unwrap();
         let mut one = learner(1);
         let first = one.ask();
         assert_eq!(first, one.ask());
@@ -350,7 +350,7 @@ fn exploration_has_the_standard_deviation_it_is_given_and_shrinks_as_annealed() 
     ] {
         let options = Pi2Options { rollouts, updates: 3, anneal, ..Pi2Options::default() };
         let two = [block("movement", 5, 2, FREE, 10.0), block("stiffness", 5, 2, FREE, 0.3)];
-        let mut learner = Pi2::new(&two, 2, vec![100.0; 10], options);
+        let mut learner = Pi2::new(&two, 2, vec![100.0; 10], options).unwrap();
         for scale in scales {
             assert!((learner.exploration() - scale).abs() < 1e-15);
             let batch = learner.ask();
@@ -400,7 +400,7 @@ fn spoilt() -> [(Cost, &'static str); 7] {
 fn rollouts_without_a_finite_cost_weigh_nothing_and_are_counted() {
     for options in every_option(9) {
         for (bad, what) in spoilt() {
-            let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
+            let mut learner = Pi2::new(&blocks(), STEPS, start(), options).unwrap();
             let batch = learner.ask();
             let mut costs = costs(9);
             // The last one has a group of its own.
@@ -410,7 +410,7 @@ fn rollouts_without_a_finite_cost_weigh_nothing_and_are_counted() {
             assert!(learner.weights().iter().all(|w| w.is_finite()), "{what}, {options:?}");
             // With a fixed lambda, a rollout so expensive that its weight is 0 to the last bit leaves the others alone.
             if let Temperature::Lambda(_) = options.temperature {
-                let mut other = Pi2::new(&blocks(), STEPS, start(), options);
+                let mut other = Pi2::new(&blocks(), STEPS, start(), options).unwrap();
                 for k in [2, 8] {
                     costs[k] = Cost { running: vec![0.0; STEPS], terminal: 1e6, terms: vec![] };
                 }
@@ -425,7 +425,7 @@ fn rollouts_without_a_finite_cost_weigh_nothing_and_are_counted() {
 fn an_update_without_any_finite_cost_is_an_error_and_changes_nothing() {
     for options in every_option(4) {
         for (bad, what) in spoilt() {
-            let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
+            let mut learner = Pi2::new(&blocks(), STEPS, start(), options).unwrap();
             let batch = learner.ask();
             let refused = learner.tell(&batch, &vec![bad; 4]);
             assert_eq!(refused, Err(Pi2Error::AllRejected { update: 0, rollouts: 4 }), "{what}");
@@ -440,7 +440,7 @@ fn an_update_without_any_finite_cost_is_an_error_and_changes_nothing() {
 #[test]
 fn equal_costs_weigh_all_rollouts_the_same() {
     for options in every_option(6).filter(|options| options.is_projected) {
-        let mut learner = Pi2::new(&blocks(), STEPS, start(), options);
+        let mut learner = Pi2::new(&blocks(), STEPS, start(), options).unwrap();
         let batch = learner.ask();
         let flat = vec![Cost { running: vec![2.0; STEPS], terminal: 1.0, terms: vec![] }; 6];
         learner.tell(&batch, &flat).unwrap();

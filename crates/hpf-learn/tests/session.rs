@@ -3,8 +3,9 @@
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
-    AutoOptions, Block, CmaEsOptions, Cost, Covariance, Draws, Driver, Exploration, GaussNewtonOptions, LearnError,
-    Method, Parameters, Pi2Options, Problem, Record, Session, SignalGroup, SignalModel, Stop, Told, learn_with,
+    AutoOptions, Block, CmaEsOptions, Cost, Covariance, Draws, Exploration, GaussNewtonOptions, LearnError,
+    LearningLoop, Method, Parameters, Pi2Options, Problem, Record, Session, ShapeError, SignalGroup, SignalModel,
+    TellOutcome, TerminationReason, learn_with,
 };
 
 const STEPS: usize = 6;
@@ -19,7 +20,7 @@ struct Bent {
     made: AtomicUsize,
     runs_ahead: bool,
     together: usize,
-    /// Whether some motions fail, and all of the fifth batch.
+    /// Whether three of five motions fail.
     fails: bool,
 }
 
@@ -97,7 +98,8 @@ impl Problem for Bent {
                 0.5 * (0..self.draws).map(square).sum::<f64>() / self.draws as f64
             })
             .collect();
-        let is_bad = draws == Draws::Update(4) || parameters.at(0)[0].to_bits().is_multiple_of(5);
+        // The start does not fail; now and then a whole batch does.
+        let is_bad = [0, 1, 3].contains(&(parameters.at(0)[0].to_bits() % 5));
         cost.terminal = if self.fails && is_bad { f64::NAN } else { 0.0 };
         cost.terms = vec![cost.total()];
     }
@@ -106,7 +108,7 @@ impl Problem for Bent {
         self.runs_ahead
     }
 
-    fn together(&self) -> usize {
+    fn batch_size(&self) -> usize {
         self.together.max(1)
     }
 
@@ -128,30 +130,25 @@ fn methods() -> Vec<(Method, bool)> {
         (Method::Pi2(Pi2Options { covariance: adapted, exploration: Exploration::Step, ..pi2 }), false),
         (Method::GaussNewton(GaussNewtonOptions { rollouts: 3, updates: 30, seed: 2 }), true),
         (Method::Auto(AutoOptions { rollouts: 4, updates: 40, seed: 3 }), true),
-        (Method::Pi2(Pi2Options { elites: 3, ..pi2 }), false),
         // Settles on the roots of the costs, then on their squares, then PI2.
         (Method::Auto(AutoOptions { rollouts: 4, updates: 120, seed: 3 }), false),
         (Method::CmaEs(CmaEsOptions { rollouts: 6, updates: 25, seed: 4 }), false),
     ]
 }
 
-fn has_elites((method, _): &(Method, bool)) -> bool {
-    matches!(method, Method::Pi2(options) if options.elites > 0)
-}
-
 #[test]
 fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
     for draws in [1, 3] {
-        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
+        for (method, has_signals) in methods() {
             let problem = Bent::new(has_signals, draws);
             let begin = || Session::begin(&problem, vec![0.1; 2 * COUNT], &method, Some(1500)).unwrap();
-            let mut driver = Driver::new(&problem, begin());
+            let mut learning = LearningLoop::new(&problem, begin());
             let (mut records, mut seen) = (Vec::new(), Vec::new());
-            while let Some(told) = driver.step().unwrap() {
+            while let Some(told) = learning.step().unwrap() {
                 records.push(told.record);
                 seen.push(told.progress);
             }
-            let mut session = driver.session().clone();
+            let mut session = learning.session().clone();
             assert!(session.is_over() && session.ask().is_none());
             if let (Method::Auto(_), false) = (method, has_signals) {
                 assert_eq!(session.history().notes.len(), 3, "all stages: {:?}", session.history().notes);
@@ -164,13 +161,13 @@ fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
                 }
                 // Wherever it may stop, there is something to keep.
                 assert!(!again.is_evaluated() || again.history().best.total.is_finite(), "{method:?} at {point}");
-                let mut driver = Driver::new(&problem, again);
+                let mut learning = LearningLoop::new(&problem, again);
                 for (record, progress) in records[point..].iter().zip(&seen[point..]) {
-                    let told = driver.step().unwrap().unwrap();
+                    let told = learning.step().unwrap().unwrap();
                     assert_eq!((&told.record, &told.progress), (record, progress), "{method:?} from {point}");
                 }
-                assert_eq!(driver.step(), Ok(None));
-                assert_eq!(driver.session().history(), session.history());
+                assert_eq!(learning.step(), Ok(None));
+                assert_eq!(learning.session().history(), session.history());
             }
         }
     }
@@ -179,13 +176,16 @@ fn replayed_to_any_point_a_session_goes_on_to_the_same_bits() {
 #[test]
 fn every_motion_of_every_draw_counts_and_none_is_made_beyond_the_limit() {
     for draws in [1, 3] {
-        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
+        for (method, has_signals) in methods() {
             for allowed in [40, 41, 77, 100] {
                 let problem = Bent::new(has_signals, draws);
                 let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(allowed), |_| true).unwrap();
                 let made = problem.made();
                 assert_eq!(history.rollouts, made, "{method:?}, {draws} draws");
-                assert!(made <= allowed && (made > allowed / 3 || history.stop != Stop::Rollouts), "{made}/{allowed}");
+                assert!(
+                    made <= allowed && (made > allowed / 3 || history.stop != TerminationReason::Rollouts),
+                    "{made}/{allowed}"
+                );
                 assert!(history.best.rollouts <= made && history.best.total <= history.initial.total);
             }
         }
@@ -198,22 +198,22 @@ fn the_start_is_known_however_few_motions_are_allowed() {
         for allowed in [0, 1] {
             let problem = Bent::new(has_signals, 1);
             let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(allowed), |_| true).unwrap();
-            assert_eq!((history.rollouts, history.stop), (1, Stop::Rollouts), "{method:?}");
+            assert_eq!((history.rollouts, history.stop), (1, TerminationReason::Rollouts), "{method:?}");
             assert!(history.initial.total.is_finite() && history.best == history.initial);
         }
     }
 }
 
 /// All that is told, and how it ends, on so many threads; the motions made.
-fn run(problem: &Bent, method: &Method, allowed: usize, threads: usize) -> (Vec<Told>, String, usize) {
+fn run(problem: &Bent, method: &Method, allowed: usize, threads: usize) -> (Vec<TellOutcome>, String, usize) {
     let session = Session::begin(problem, vec![0.1; 2 * COUNT], method, Some(allowed)).unwrap();
-    let (mut driver, mut all) = (Driver::new(problem, session), Vec::new());
+    let (mut learning, mut all) = (LearningLoop::new(problem, session), Vec::new());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let end = pool.install(|| {
         loop {
-            match driver.step() {
+            match learning.step() {
                 Ok(Some(told)) => all.push(told),
-                Ok(None) => break format!("{:?}", driver.session().history()),
+                Ok(None) => break format!("{:?}", learning.session().history()),
                 Err(error) => break format!("{error:?}"),
             }
         }
@@ -222,10 +222,10 @@ fn run(problem: &Bent, method: &Method, allowed: usize, threads: usize) -> (Vec<
 }
 
 #[test]
-fn updates_made_before_the_evaluations_of_those_before_change_nothing() {
+fn a_batch_made_beside_the_evaluation_before_it_changes_nothing() {
     let (mut failed, mut unpriced) = (0, 0);
     for (draws, fails) in [(1, false), (3, false), (1, true), (3, true)] {
-        for (method, has_signals) in methods().into_iter().filter(|method| draws == 1 || !has_elites(method)) {
+        for (method, has_signals) in methods() {
             let problem =
                 |together| Bent { runs_ahead: together > 0, together, fails, ..Bent::new(has_signals, draws) };
             // The limit falls before, within and after an update.
@@ -255,12 +255,12 @@ fn motions_made_ahead_do_not_count_where_nobody_goes_on() {
             (pool.install(learn).unwrap(), problem.made())
         };
         let (history, made) = learned(1, 0);
-        assert_eq!((history.rollouts, history.stop), (made, Stop::Asked));
+        assert_eq!((history.rollouts, history.stop), (made, TerminationReason::Requested));
         for (threads, together) in [(1, 1), (1, 3), (1, 8), (2, 1), (3, 3)] {
             let (ahead, made_ahead) = learned(threads, together);
             assert_eq!(ahead, history);
-            // Updates are batches of five and an evaluation; a batch follows beside the evaluations.
-            let most = made + 6 * together * threads + 5;
+            // Updates are batches of five and an evaluation; a batch follows beside the evaluation.
+            let most = made + 5;
             assert!((made..=most).contains(&made_ahead), "{made_ahead} rather than {made}");
         }
     }
@@ -270,10 +270,10 @@ fn motions_made_ahead_do_not_count_where_nobody_goes_on() {
 fn a_batch_is_handed_out_before_it_is_evaluated_where_motions_are_dear() {
     let problem = Bent { runs_ahead: false, ..Bent::new(false, 1) };
     let session = Session::begin(&problem, vec![0.1; 2 * COUNT], &methods()[0].0, None).unwrap();
-    let mut driver = Driver::new(&problem, session);
+    let mut learning = LearningLoop::new(&problem, session);
     let mut made = Vec::new();
     for _ in 0..5 {
-        driver.step().unwrap().unwrap();
+        learning.step().unwrap().unwrap();
         made.push(problem.made());
     }
     assert_eq!(made, [1, 6, 7, 12, 13]);
@@ -281,7 +281,7 @@ fn a_batch_is_handed_out_before_it_is_evaluated_where_motions_are_dear() {
 
 #[test]
 fn with_draws_the_best_is_what_its_evaluation_on_those_held_out_says() {
-    for (method, has_signals) in methods().into_iter().filter(|method| !has_elites(method)) {
+    for (method, has_signals) in methods() {
         let problem = Bent::new(has_signals, 3);
         let history = learn_with(&problem, vec![0.1; 2 * COUNT], &method, Some(2000), |_| true).unwrap();
         for progress in [&history.initial, &history.best] {
@@ -291,19 +291,6 @@ fn with_draws_the_best_is_what_its_evaluation_on_those_held_out_says() {
         }
         assert!(history.best.total < history.initial.total, "{method:?}");
     }
-}
-
-#[test]
-fn elites_weigh_again_without_a_motion_and_are_refused_where_costs_are_random() {
-    let learned = |elites, draws| {
-        let method = Method::Pi2(Pi2Options { rollouts: 4, updates: 60, elites, ..Pi2Options::default() });
-        learn_with(&Bent::new(false, draws), vec![0.1; 2 * COUNT], &method, None, |_| true)
-    };
-    let (without, with) = (learned(0, 1).unwrap(), learned(3, 1).unwrap());
-    assert_eq!(with.rollouts, without.rollouts);
-    assert_ne!(with.best.weights, without.best.weights);
-    assert!(with.best.total < with.initial.total);
-    assert_eq!(learned(3, 2), Err(LearnError::RandomElites));
 }
 
 #[test]
@@ -319,17 +306,44 @@ fn a_record_of_something_else_is_refused() {
         exploration: 1.0,
         rejected: 0,
         cheapest: None,
-        elites: vec![],
     };
-    for (i, record) in [(0, &none), (0, &update), (0, &Record::Costs(vec![])), (2, &none), (2, &update), (6, &none)] {
+    for (i, record) in [(0, &none), (0, &update), (0, &Record::Costs(vec![])), (2, &none), (2, &update), (5, &none)] {
         assert_eq!(begin(i).replay(record), Err(LearnError::WrongRecord), "{i} {record:?}");
     }
 }
 
 #[test]
-#[should_panic(expected = "one cost for each sample asked for")]
-fn telling_of_another_number_of_samples_is_a_mistake_of_the_program() {
+fn an_answer_of_another_size_is_refused_and_changes_nothing() {
     let problem = Bent::new(true, 1);
-    let mut session = Session::begin(&problem, vec![0.1; 2 * COUNT], &methods()[0].0, None).unwrap();
-    let _ = session.tell(&[Cost::default(), Cost::default()], &[]);
+    let mut session = Session::begin(&problem, vec![0.1; 2 * COUNT], &methods()[2].0, None).unwrap();
+    let before = session.clone().history();
+    let asked = session.ask().unwrap().samples.len();
+    let costs = vec![Cost::default(); asked + 1];
+    let length = |what, found, expected| Err(LearnError::Shape(ShapeError::Length { what, found, expected }));
+    assert_eq!(session.tell(&costs, &[]), length("costs".into(), asked + 1, asked));
+    assert_eq!(session.tell(&costs[..asked], &[]), length("signals".into(), 0, asked));
+    assert_eq!(session.history(), before);
+}
+
+#[test]
+fn a_problem_that_does_not_fit_together_is_refused_by_name() {
+    let refused = |change: &dyn Fn(&mut Block), count: usize| {
+        let mut problem = Bent::new(false, 1);
+        change(&mut problem.blocks[1]);
+        Session::begin(&problem, vec![0.1; count], &methods()[0].0, None).unwrap_err().to_string()
+    };
+    let whole = 2 * COUNT;
+    assert_eq!(refused(&|_| {}, whole + 1), format!("weights: {} numbers where {whole} belong", whole + 1));
+    type Change = fn(&mut Block);
+    let changes: [(Change, &str); 5] = [
+        (|block| block.features.truncate(1), "features of block"),
+        (|block| block.activations.truncate(1), "activations of block"),
+        (|block| block.min = f64::NAN, "has no range"),
+        (|block| (block.min, block.max) = (1.0, -1.0), "has no range"),
+        (|block| block.noise = -1.0, "noise"),
+    ];
+    for (change, words) in changes {
+        let message = refused(&change, whole);
+        assert!(message.contains(words), "{message}");
+    }
 }

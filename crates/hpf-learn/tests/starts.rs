@@ -3,8 +3,8 @@
 use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf_learn::{
-    AutoOptions, Block, CmaEsOptions, Cost, Draws, Driver, LearnError, Method, Note, Parameters, Pi2Options, Problem,
-    Record, Session,
+    AutoOptions, Block, CmaEsOptions, Cost, Draws, LearnError, LearningLoop, Method, Note, Parameters, Pi2Options,
+    Problem, Record, Session,
 };
 
 /// The sum of squares of the distances to 3, of which the first `failing` motions fail and the last is `last`.
@@ -68,13 +68,13 @@ fn methods() -> [Method; 3] {
 fn learn(bowl: &Bowl, method: &Method) -> (Session, Vec<Record>, Option<LearnError>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
-        let mut driver = Driver::new(bowl, Session::begin(bowl, vec![0.0, 0.0], method, None).unwrap());
+        let mut learning = LearningLoop::new(bowl, Session::begin(bowl, vec![0.0, 0.0], method, None).unwrap());
         let mut records = Vec::new();
         loop {
-            match driver.step() {
+            match learning.step() {
                 Ok(Some(told)) => records.push(told.record),
-                Ok(None) => return (driver.session().clone(), records, None),
-                Err(error) => return (driver.session().clone(), records, Some(error)),
+                Ok(None) => return (learning.session().clone(), records, None),
+                Err(error) => return (learning.session().clone(), records, Some(error)),
             }
         }
     })
@@ -94,7 +94,7 @@ fn a_start_that_fails_is_replaced_by_the_first_motion_near_it_that_does_not() {
             let height = |weights: &[f64]| weights.iter().map(|w| (w - 3.0) * (w - 3.0)).sum::<f64>();
             assert_eq!(history.initial.total, height(&history.initial.weights));
             assert!(history.best.total < 0.1 * history.initial.total, "{method:?}: {}", history.best.total);
-            // Told the same again, another session is where this one is.
+            // TellOutcome the same again, another session is where this one is.
             let bowl = Bowl::new(0, 0);
             let mut again = Session::begin(&bowl, vec![0.0, 0.0], &method, None).unwrap();
             records.iter().for_each(|record| drop(again.replay(record).unwrap()));

@@ -35,7 +35,7 @@ fn main() -> ExitCode {
     pool.install(|| {
         let (task, policy, simulation) = prepared(text);
         let options = Pi2Options { rollouts: COUNT, ..task.learning.pi2_options() };
-        let learner = || Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options);
+        let learner = || Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).unwrap();
         let (batch, mut learner) = (learner().ask(), learner());
         let samples: [Parameters<'_>; COUNT] = core::array::from_fn(|k| batch.sample(k));
         let (mut workspace, mut costs) = (simulation.workspace(), vec![Cost::default(); COUNT]);

@@ -32,9 +32,10 @@ learning = { noise = { movement = 10.0 } }
 fn batch_against_controller(criterion: &mut Criterion) {
     let (task, policy, simulation) = prepared(VIA_POINT);
     let options = Pi2Options { rollouts: 20, ..Pi2Options::default() };
-    let batch = Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).ask();
+    let batch = Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).unwrap().ask();
     let samples: Vec<Parameters<'_>> = (0..batch.len()).map(|k| batch.sample(k)).collect();
-    let policies: Vec<Policy> = samples.iter().map(|sample| policy.clone().with_weights(sample.at(0))).collect();
+    let policies: Vec<Policy> =
+        samples.iter().map(|sample| policy.clone().with_weights(sample.at(0)).unwrap()).collect();
     let middle = |i: usize| (i as f64 + 0.5) * task.duration / task.steps() as f64;
     let force = |i: usize| [0, 1].map(|axis| task.disturbance[axis].force(middle(i), Side::After));
     let forces: Vec<[f64; 2]> = (0..task.steps()).map(force).collect();

@@ -39,7 +39,7 @@ fn update(size: Size) -> f64 {
     let policy = Policy::initial(&task).expect("ordinary numbers");
     let simulation = Simulation::new(&task, &policy).expect("the policy is the task's");
     let options = Pi2Options { rollouts, ..Pi2Options::default() };
-    let mut learner = Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options);
+    let mut learner = Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).unwrap();
     let (mut batch, mut workspace) = (Batch::default(), simulation.workspace());
     let mut costs = vec![Cost::default(); rollouts];
     let (start, mut least) = (Instant::now(), f64::INFINITY);

@@ -1,9 +1,4 @@
-//! Tasks and their simulation: what is to be learned, where, and what it costs.
-//!
-//! [`Task`] is the task file, [`Policy`] the learned skill, [`Simulation`] rolls one out in the other and leaves a
-//! [`Trace`]; costs and [`metrics`](Simulation::metrics) are functions of the trace. [`Simulation`] is a
-//! [`hpf_learn::Problem`], so it can be learned. No files, no terminal.
-
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod certificate;
@@ -30,5 +25,5 @@ pub use policy::{
 pub use simulation::{Simulation, SimulationError, Workspace, disturbances};
 pub use start::StartError;
 pub use table_end::TableEnd;
-pub use task::{Diagnostic, Task};
+pub use task::{Diagnostic, Mistakes, Task};
 pub use trace::{AxisTrace, ContactTrace, Trace};

@@ -382,11 +382,17 @@ impl Policy {
     }
 
     /// The same policy with other weights, in the order of [`Policy::weights`]. Where there is a number more for each
-    /// axis, it is the axis' goal and comes after its weights.
-    pub fn with_weights(mut self, weights: &[f64]) -> Self {
-        let count =
-            |axis: &AxisPolicy| axis.movement.weights.len() + axis.stiffness.weights.len() + axis.damping.weights.len();
-        let has_goals = weights.len() == self.axes.iter().map(count).sum::<usize>() + self.axes.len();
+    /// axis, it is the axis' goal and comes after its weights, as in [`Simulation::parameters`](crate::Simulation::parameters).
+    ///
+    /// # Errors
+    /// [`PolicyError::Value`] for any other number of weights.
+    pub fn with_weights(mut self, weights: &[f64]) -> Result<Self, PolicyError> {
+        let (count, goals) = (self.weights().len(), self.axes.len());
+        let has_goals = weights.len() == count + goals;
+        if weights.len() != count && !has_goals {
+            let reason = format!("{} numbers, where {count} belong, or {} with goals", weights.len(), count + goals);
+            return Err(value_error("weights", reason));
+        }
         let mut next = weights.iter().copied();
         for axis in &mut self.axes {
             let lists = [&mut axis.movement.weights, &mut axis.stiffness.weights, &mut axis.damping.weights];
@@ -395,7 +401,7 @@ impl Policy {
                 *slot = weight;
             }
         }
-        self
+        Ok(self)
     }
 }
 

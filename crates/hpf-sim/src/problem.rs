@@ -47,7 +47,7 @@ impl Problem for Simulation {
         self.roll_draws(draws, &[parameters], workspace, slice::from_mut(cost));
     }
 
-    fn together(&self) -> usize {
+    fn batch_size(&self) -> usize {
         LANES
     }
 
@@ -125,7 +125,6 @@ impl Learning {
                 None => preset.covariance,
             },
             is_projected: self.projection.unwrap_or(preset.is_projected),
-            elites: self.elites,
             seed: self.seed,
         }
     }

@@ -15,7 +15,6 @@
 
 mod batch;
 mod blocks;
-mod circumstances;
 mod controlled;
 mod draws;
 mod inertial;
@@ -23,6 +22,7 @@ mod measured;
 mod motion;
 mod plant;
 mod profiles;
+mod scenario;
 mod table;
 mod tool;
 
@@ -34,13 +34,13 @@ use crate::cost::{CostModel, Term};
 use crate::policy::Policy;
 use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
-pub use circumstances::disturbances;
-use circumstances::{Circumstances, Met, Set};
 use inertial::{FreeInertial, TouchingInertial};
 use measured::Measured;
 use motion::{Reference, Tool, roll};
 use plant::Robot;
 use profiles::{Profiles, Tables};
+pub use scenario::disturbances;
+use scenario::{AxisScenario, Scenario, Set};
 use table::Table;
 use tool::{ContactModel, Free, Touching};
 
@@ -104,7 +104,7 @@ pub struct Simulation {
     cost: CostModel,
     pub(crate) signals: SignalModel,
     /// The first of the draws that policies are measured by: what a trace shows.
-    shown: Circumstances,
+    shown: Scenario,
     pub(crate) is_random: bool,
     /// Whether forces last into the rest time, or differ from draw to draw: the tool then cannot rest at its goal.
     pub(crate) is_pushed_at_rest: bool,
@@ -117,7 +117,7 @@ pub struct Simulation {
 #[derive(Clone, Debug)]
 struct AxisModel {
     alone: Reference<1>,
-    together: Reference<LANES>,
+    lanes: Reference<LANES>,
     /// Where its parameters start, and where each primitive's and the goal end.
     parameters: [usize; 5],
     /// The law of its tool, where it has inertia.
@@ -188,7 +188,7 @@ impl Simulation {
             let inertia = mass.map(|mass| [mass, most, axis.damping.max]);
             axes.push(AxisModel {
                 alone: Reference::new(numbers, inertia, dt, duration)?,
-                together: Reference::new(numbers, inertia, dt, duration)?,
+                lanes: Reference::new(numbers, inertia, dt, duration)?,
                 parameters: ends,
                 inertial: inertia.map(|[mass, most, damping]| Inertial::new(mass, most, damping, dt)).transpose()?,
                 largest_stiffness: axis.stiffness.max,
@@ -225,7 +225,7 @@ impl Simulation {
         let distances = cost.distances(&groups, steps);
         let price = (0..axes.len()).flat_map(prices).collect();
         let signals = draws::repeated(SignalModel { groups, price, distances }, task.draws());
-        let mut evaluation = Circumstances::of_set(task, Set::Evaluation, task.evaluation_draws());
+        let mut evaluation = Scenario::of_set(task, Set::Evaluation, task.evaluation_draws());
         let shown = evaluation.next().expect("at least one draw");
         drop(evaluation);
         Ok(Self {
@@ -299,15 +299,15 @@ impl Simulation {
 
     /// Writes the motion of the skill with `parameters` into `trace`, as [`Simulation::rollout`].
     pub fn rollout_into(&self, parameters: Parameters<'_>, trace: &mut Trace) {
-        self.rollout_met(&self.shown, parameters, trace);
+        self.rollout_in(&self.shown, parameters, trace);
     }
 
-    /// Writes the motion of the skill that meets `met` into `trace`.
-    fn rollout_met(&self, met: &Circumstances, parameters: Parameters<'_>, trace: &mut Trace) {
+    /// Writes the motion of the skill in `scenario` into `trace`.
+    fn rollout_in(&self, scenario: &Scenario, parameters: Parameters<'_>, trace: &mut Trace) {
         for (a, (model, axis)) in self.axes.iter().zip(&mut trace.axes).enumerate() {
             let contact = trace.contact.as_mut().filter(|contact| contact.axis == a);
             let profiles = self.rowwise(model, parameters);
-            self.roll_axis(a, self.drive.len(), &model.alone, &profiles, &met.axes[a], Recorder { axis, contact });
+            self.roll_axis(a, self.drive.len(), &model.alone, &profiles, &scenario.axes[a], Recorder { axis, contact });
         }
     }
 
@@ -324,13 +324,13 @@ impl Simulation {
         steps: usize,
         reference: &Reference<N>,
         profiles: &impl Profiles<N>,
-        met: &Met,
+        scenario: &AxisScenario,
         sink: impl Sink<N>,
     ) {
-        let (dt, drive, forces) = (self.dt, &self.drive[..steps], &met.forces);
+        let (dt, drive, forces) = (self.dt, &self.drive[..steps], &scenario.forces);
         let contact = self.contact.as_ref().filter(|contact| contact.axis == a);
         if let Some(robot) = self.robot {
-            let tool = Measured::new(dt, robot, met, contact, reference.inertial, reference.start());
+            let tool = Measured::new(dt, robot, scenario, contact, reference.inertial, reference.start());
             return roll_rarely(reference, drive, profiles, tool, sink);
         }
         match (contact, reference.inertial, self.axes[a].inertial) {

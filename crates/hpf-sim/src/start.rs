@@ -105,6 +105,10 @@ impl Policy {
                 }
             }
         }
-        if found.is_empty() { Ok(start.with_weights(&self.weights())) } else { Err(StartError::Differs(found)) }
+        if found.is_empty() {
+            Ok(start.with_weights(&self.weights()).expect("no difference in size was found"))
+        } else {
+            Err(StartError::Differs(found))
+        }
     }
 }

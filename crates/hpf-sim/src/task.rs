@@ -7,14 +7,13 @@
 mod basis;
 mod keys;
 mod learning;
+mod mistakes;
 mod per_axis;
 mod process;
 mod reading;
 mod repair;
 mod rules;
 mod sizes;
-
-use core::ops::Range;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,6 +28,7 @@ pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
     TemperatureKind,
 };
+pub use mistakes::{Diagnostic, Mistakes};
 pub use per_axis::PerAxis;
 pub use process::{Environment, Process};
 pub use sizes::MAX_MEMORY;
@@ -365,28 +365,25 @@ pub struct Accept {
     pub max_cost: Option<f64>,
 }
 
-/// A mistake in a task file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Diagnostic {
-    /// Where, in bytes of the text.
-    pub span: Range<usize>,
-    /// What is wrong: lower case, no full stop.
-    pub message: String,
-    /// What is allowed, or what to do.
-    pub help: String,
-}
-
 impl Task {
     /// Reads and checks a task file.
     ///
     /// # Errors
-    /// Every mistake found, in the order of the text.
-    pub fn parse(text: &str) -> Result<Self, Vec<Diagnostic>> {
+    /// [`Mistakes`]: every one found, in the order of the text.
+    ///
+    /// ```
+    /// let mistakes = hpf_sim::Task::parse("name = 3\n").unwrap_err();
+    /// assert_eq!(mistakes[0].message, "the task has no `duration`");
+    /// assert!(mistakes.to_string().starts_with("line 1, column 1: the task has no `duration`; "));
+    /// ```
+    pub fn parse(text: &str) -> Result<Self, Mistakes> {
         if text.trim().is_empty() {
             let help = "a task needs at least name, duration, rate, one [[axis]], [stiffness] and [damping]";
-            return Err(vec![Diagnostic { span: 0..0, message: "the file is empty".into(), help: help.into() }]);
+            let empty = Diagnostic { span: 0..0, message: "the file is empty".into(), help: help.into() };
+            return Err(Mistakes::new(text, vec![empty]));
         }
         reading::read_checked(text, &Self::schema(), "the task", &rules::check)
+            .map_err(|found| Mistakes::new(text, found))
     }
 
     /// The JSON schema of the task file.

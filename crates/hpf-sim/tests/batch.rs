@@ -3,7 +3,8 @@
 mod stepped;
 
 use hpf_learn::{
-    Batch, CmaEsOptions, Cost, Draws, Driver, Exploration, Method, Parameters, Pi2, Pi2Options, Problem, Session, learn,
+    Batch, CmaEsOptions, Cost, Draws, Exploration, LearningLoop, Method, Parameters, Pi2, Pi2Options, Problem, Session,
+    learn,
 };
 use hpf_sim::environment::disturbance::Side;
 use hpf_sim::{Policy, Simulation, Task};
@@ -33,7 +34,7 @@ learning = { noise = { movement = 100.0 } }
 /// As many samples as asked for, with the noise of the task.
 fn samples(simulation: &Simulation, policy: &Policy, rollouts: usize, exploration: Exploration) -> Batch {
     let options = Pi2Options { rollouts, exploration, seed: 7, ..Pi2Options::default() };
-    Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).ask()
+    Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).unwrap().ask()
 }
 
 fn costs(simulation: &Simulation, parameters: &[Parameters<'_>]) -> Vec<Cost> {
@@ -158,10 +159,10 @@ fn batches_made_ahead_are_those_asked_for_one_by_one() {
             }
             for threads in [1, 2, 7] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let mut driver = Driver::new(&simulation, begin());
-                let told = || pool.install(|| driver.step()).unwrap().map(|told| told.record);
+                let mut learning = LearningLoop::new(&simulation, begin());
+                let told = || pool.install(|| learning.step()).unwrap().map(|told| told.record);
                 assert!(core::iter::from_fn(told).eq(records.iter().cloned()), "{}, {threads} threads", task.name);
-                assert_eq!(driver.session().history(), session.history());
+                assert_eq!(learning.session().history(), session.history());
             }
         }
     }
@@ -173,7 +174,7 @@ fn an_update_allocates_nothing_once_its_rooms_are_made() {
         let (task, policy, simulation) = prepared(text);
         for exploration in [Exploration::Rollout, Exploration::Basis, Exploration::Step] {
             let options = Pi2Options { rollouts: 11, exploration, ..task.learning.pi2_options() };
-            let mut learner = Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options);
+            let mut learner = Pi2::new(simulation.blocks(), simulation.steps(), policy.weights(), options).unwrap();
             let (mut batch, mut costs) = (Batch::default(), vec![Cost::default(); 11]);
             let mut workspace = simulation.workspace();
             let mut update = || {
@@ -204,7 +205,7 @@ fn a_rollout_is_what_the_controller_of_a_robot_does() {
             let simulation = Simulation::new(&task, &policy).unwrap();
             samples(&simulation, &policy, 1, Exploration::Rollout)
         };
-        let policy = policy.with_weights(batch.sample(0).at(0));
+        let policy = policy.with_weights(batch.sample(0).at(0)).unwrap();
         let trace = Simulation::new(&task, &policy).unwrap().rollout(batch.sample(0).at(0));
         let steps = task.steps();
         let middle = |i: usize| (i as f64 + 0.5) * task.duration / steps as f64;

@@ -24,7 +24,7 @@ fn learned(text: &str) -> Policy {
     let options = Pi2Options { updates: 60, ..task.learning.pi2_options() };
     let history = learn(&simulation, policy.weights(), options, None, |_| true).unwrap();
     assert!(history.best.total < 0.5 * history.initial.total);
-    policy.with_weights(&history.best.weights)
+    policy.with_weights(&history.best.weights).unwrap()
 }
 
 fn rollout(text: &str, policy: &Policy, rate: f64) -> Trace {

@@ -28,7 +28,7 @@ fn task(text: &str, rate: f64, more: &str) -> (Task, Policy) {
         gain => gain * (1.0 + 0.3 * (0.9 * i as f64).cos()),
     });
     let bent: Vec<f64> = bent.collect();
-    (task, policy.with_weights(&bent))
+    (task, policy.with_weights(&bent).unwrap())
 }
 
 fn simulated(task: &Task, policy: &Policy) -> Trace {

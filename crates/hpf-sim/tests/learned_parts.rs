@@ -7,7 +7,7 @@ use hpf_sim::{Policy, Simulation, Task};
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const REACH: &str = include_str!("../../../tasks/reach.toml");
 
-fn with_learning(text: &str, keys: &str) -> Result<Task, Vec<hpf_sim::Diagnostic>> {
+fn with_learning(text: &str, keys: &str) -> Result<Task, hpf_sim::Mistakes> {
     let task = Task::parse(&text.replace("[learning]\n", &format!("[learning]\n{keys}\n")))?;
     let cost = CostWeights { rest: PerAxis::All(0.0), ..task.cost };
     Ok(Task { cost, ..task })
@@ -21,7 +21,7 @@ fn learned(task: &Task, most: usize) -> (Policy, Policy) {
     assert_eq!(start.len(), simulation.blocks().iter().map(|block| block.count).sum::<usize>());
     let history = learn_with(&simulation, start, &task.learning.method(), Some(most), |_| true).unwrap();
     assert!(history.best.total < history.initial.total);
-    let best = policy.clone().with_weights(&history.best.weights);
+    let best = policy.clone().with_weights(&history.best.weights).unwrap();
     assert_eq!(simulation.parameters(&best), history.best.weights);
     (policy, best)
 }

@@ -72,7 +72,7 @@ fn weights_go_out_and_come_in_in_one_order() {
     assert_eq!(weights[20..40], policy.axes[0].stiffness.weights);
     assert_eq!(weights[100..], policy.axes[1].damping.weights);
     let initial = Policy::initial(&Task::parse(VIA_POINT).unwrap()).unwrap();
-    assert_eq!(initial.with_weights(&weights), policy);
+    assert_eq!(initial.with_weights(&weights).unwrap(), policy);
 }
 
 #[track_caller]

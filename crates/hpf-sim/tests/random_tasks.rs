@@ -64,7 +64,7 @@ fn learn(seed: u64) -> Result<(), String> {
     if task.learning.max_rollouts.is_some_and(|most| history.rollouts > most) {
         return Err(format!("{} motions were made", history.rollouts));
     }
-    let policy = start.with_weights(&history.best.weights);
+    let policy = start.with_weights(&history.best.weights).unwrap();
     check_policy(&policy, task.rate)?;
     let trace = simulation.rollout(&history.best.weights);
     check_trace(&task, &trace)?;

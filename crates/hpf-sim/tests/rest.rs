@@ -23,7 +23,7 @@ fn learned(task: &Task) -> (Policy, Vec<Metric>) {
     let history =
         learn_with(&simulation, start, &task.learning.method(), task.learning.max_rollouts, |_| true).unwrap();
     let metrics = simulation.evaluate(&history.best.weights).1;
-    (policy.with_weights(&history.best.weights), metrics)
+    (policy.with_weights(&history.best.weights).unwrap(), metrics)
 }
 
 /// Distances to the goal of `task` after its duration, over three durations, by the controller that a robot runs, the

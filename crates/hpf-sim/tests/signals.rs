@@ -1,8 +1,8 @@
 //! The signals of a rollout: their squares are its cost, term by term nothing left out.
 
 use hpf_learn::{
-    AutoOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method, Parameters, Pi2Options,
-    Problem, Settled, SignalModel, Stop, Temperature, learn_with,
+    AutoOptions, Cost, Covariance, Credit, Draws, Exhausted, Exploration, GaussNewtonOptions, Method, Parameters,
+    Pi2Options, Problem, SignalModel, Temperature, TerminationReason, learn_with,
 };
 use hpf_sim::{Policy, Simulation, Task};
 
@@ -113,7 +113,7 @@ fn task_1_is_learned_from_signals_in_about_a_hundred_motions() {
         // Measured 0.0967 for each of 20 seeds, where PI2 has 0.48 to 0.71 after 12 000.
         assert!(history.best.total < 0.11, "{method}: {}", history.best.total);
         let (history, metrics) = learned(&text, 4000);
-        assert_eq!(history.stop, Stop::Settled(Settled::NothingImproves));
+        assert_eq!(history.stop, TerminationReason::Exhausted(Exhausted::NothingImproves));
         assert!(metrics.iter().all(|metric| metric.pass() != Some(false)), "{metrics:?}");
     }
 }

@@ -27,7 +27,7 @@ fn a_task_in_the_time_family_learns_and_its_policy_reads_back() {
     let history = learn_with(&simulation, start, &task.learning.method(), Some(400), |_| true).unwrap();
     let (_, metrics) = simulation.evaluate(&history.best.weights);
     assert!(metrics.iter().all(|metric| metric.pass() != Some(false)), "{metrics:?}");
-    let policy = policy.with_weights(&history.best.weights);
+    let policy = policy.with_weights(&history.best.weights).unwrap();
     let read = Policy::parse(&policy.to_json()).unwrap();
     assert_eq!(read, policy);
     read.certify(&Conditions::new(1000.0, 0.001, 10.0)).unwrap();

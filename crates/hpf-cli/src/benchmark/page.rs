@@ -5,8 +5,8 @@ use core::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::study::Study;
-use crate::figure::{Drawing, Group, Member, short, sweep_cost};
-use crate::statistics::Spread;
+use hpf::figure::{Drawing, Group, Member, short, sweep_cost};
+use hpf::statistics::Spread;
 
 const ABOUT: &str = "\
 # Benchmarks: methods beside each other
@@ -102,7 +102,7 @@ pub fn json(study: &Study, seconds: f64) -> Value {
 /// A figure for each task: the cost over the motions made, by method.
 pub fn figures(study: &Study) -> Vec<Drawing<'_>> {
     let drawing = |results: &'_ [super::study::Result]| {
-        let member = |trial: &crate::trial::Trial| Member {
+        let member = |trial: &hpf::trial::Trial| Member {
             costs: trial.run.learning.iter().map(|row| (row.rollouts as f64, row.total)).collect(),
             measures: Vec::new(),
         };

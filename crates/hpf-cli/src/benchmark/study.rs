@@ -2,13 +2,13 @@
 
 use std::sync::Mutex;
 
-use crate::failure::Failure;
-use crate::files::LoadedTask;
-use crate::progress::Tally;
+use crate::progress::{Signals, Tally};
 use crate::side_by_side::side_by_side;
-use crate::statistics::Spread;
-use crate::trial::{self, Broken, Prepared, Trial};
-use crate::{overrides, report};
+use hpf::failure::Failure;
+use hpf::files::LoadedTask;
+use hpf::statistics::Spread;
+use hpf::trial::{self, Broken, Prepared, Trial};
+use hpf::{overrides, report};
 use hpf_sim::task::Task;
 
 /// Rollouts of an update, whatever the task says.
@@ -25,7 +25,7 @@ pub struct Target {
 
 macro_rules! target {
     ($name:literal, $levels:expr) => {
-        Target { name: $name, text: include_str!(concat!("../../../../tasks/", $name, ".toml")), levels: $levels }
+        Target { name: $name, text: include_str!(concat!("../../shipped/tasks/", $name, ".toml")), levels: $levels }
     };
 }
 
@@ -135,7 +135,7 @@ impl Study {
             jobs.iter().map(|_| Mutex::new(None)).collect();
         let tally = Mutex::new(Tally::new("benchmark", jobs.len(), 0, quiet));
         side_by_side(jobs.len(), |index| {
-            let trial = trial::learn(&jobs[index].loaded);
+            let trial = trial::learn(&jobs[index].loaded, &Signals);
             tally.lock().expect("no worker panics").count(&jobs[index].loaded.task.name, None);
             *done[index].lock().expect("no worker panics") = Some(trial);
         })?;
@@ -162,7 +162,7 @@ impl Study {
 
 /// A task as one method learns it: all its own keys but those of the method and of the budget.
 fn prepared(target: &Target, changes: &[&str], seed: u64, motions: usize) -> core::result::Result<LoadedTask, Failure> {
-    let parse = |text: &str| Task::parse(text).map_err(|found| report::render(&found, text, target.name));
+    let parse = |text: &str| Task::parse(text).map_err(report::in_text(target.name));
     let draws = parse(target.text)?.draws();
     // Annealing ends with the budget.
     let updates = (motions / ((ROLLOUTS + 1) * draws)).max(1);
@@ -177,5 +177,5 @@ fn prepared(target: &Target, changes: &[&str], seed: u64, motions: usize) -> cor
         "cost.rest=0".to_owned(),
     ]);
     let text = overrides::apply(target.text, &all)?;
-    Ok(LoadedTask { task: parse(&text)?, text })
+    Ok(LoadedTask { task: parse(&text)?, text, notes: Vec::new() })
 }

@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use crate::benchmark::{Study, figures, json, markdown};
 use crate::cli::{Benchmark, Common};
-use crate::failure::{Failure, Outcome};
-use crate::figure::{self, Format};
-use crate::files::{self, make_folder};
+use crate::outcome::Outcome;
 use crate::terminal::say;
+use hpf::failure::Failure;
+use hpf::figure::{self, Format};
+use hpf::files::{self, make_folder};
 
 /// Runs `hpf benchmark`.
 pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failure> {

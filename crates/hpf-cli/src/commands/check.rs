@@ -1,5 +1,6 @@
 //! `hpf check`: is this file right, and what does it hold?
 
+use hpf::words;
 use std::path::Path;
 
 use hpf_core::passivity::{Case, Contact};
@@ -8,10 +9,13 @@ use hpf_sim::{Certificate, Conditions, Metric, Policy, Simulation};
 use serde_json::{Value, json};
 
 use crate::cli::{Check, Common};
-use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, policy_path, read_policy, read_task};
+use crate::deliver::read_task;
+use crate::outcome::Outcome;
+use crate::render;
 use crate::terminal::say;
-use crate::{log, render};
+use hpf::failure::Failure;
+use hpf::files::{in_file, policy_path, read_policy};
+use hpf::log;
 
 /// Control rate of a policy where neither `--rate` nor a task beside it says one [Hz].
 const RATE: f64 = 1000.0;
@@ -65,8 +69,8 @@ fn warnings(task: &Task) -> Vec<String> {
         format!(
             "the contact is as stiff as {} N/m, and its force is measured: at the least damping the loop is stable below \
              {} N/m only; soften the contact, raise damping.min or the rate, or shorten delay and lag",
-            render::number(contact.stiffness),
-            render::number(contact.limit)
+            words::number(contact.stiffness),
+            words::number(contact.limit)
         )
     });
     unstable.into_iter().chain(log::time_note(task)).collect()
@@ -93,7 +97,7 @@ fn check_policy(options: &Check, common: &Common) -> Result<Outcome, Failure> {
         let text = render::policy(&policy) + "\n" + &render::certificates(&policy, &conditions, &certificates);
         say(&text)?;
         for Metric { name, value, unit, .. } in rest {
-            say(&format!("  {name} {} in the environment of the task beside it\n", render::measure(value, unit)))?;
+            say(&format!("  {name} {} in the environment of the task beside it\n", words::measure(value, unit)))?;
         }
     }
     Ok(Outcome::Done)

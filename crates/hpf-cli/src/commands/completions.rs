@@ -3,8 +3,9 @@
 use clap::CommandFactory as _;
 
 use crate::cli::{Arguments, Common, Completions};
-use crate::failure::{Failure, Outcome};
-use crate::files::deliver;
+use crate::deliver::deliver;
+use crate::outcome::Outcome;
+use hpf::failure::Failure;
 
 /// Runs `hpf completions`.
 pub fn completions(options: &Completions, common: &Common) -> Result<Outcome, Failure> {

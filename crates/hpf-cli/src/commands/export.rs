@@ -5,16 +5,18 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use crate::cli::{Common, Export};
-use crate::export::{self, Form, Format, Precision};
-use crate::failure::{Failure, Outcome};
-use crate::files::{deliver, in_file, policy_path, read_policy};
-use crate::log;
-use crate::results::Run;
+use crate::deliver::deliver;
+use crate::outcome::Outcome;
 use crate::terminal::tell;
+use hpf::export::{self, Form, Format, Precision};
+use hpf::failure::Failure;
+use hpf::files::{in_file, policy_path, read_policy};
+use hpf::log;
+use hpf::results::Run;
 
 /// Runs `hpf export`.
 pub fn export(options: &Export, common: &Common) -> Result<Outcome, Failure> {
-    let format = options.format.unwrap_or(Format::Ros2);
+    let format = options.format.map_or(Format::Ros2, |format| format.0);
     match format.firmware() {
         Some(form) => firmware(options, common, format, form),
         None => ros2(options, common),
@@ -25,7 +27,7 @@ pub fn export(options: &Export, common: &Common) -> Result<Outcome, Failure> {
 fn firmware(options: &Export, common: &Common, format: Format, form: Form) -> Result<Outcome, Failure> {
     let source = policy_path(&options.policy)?;
     let policy = read_policy(&source)?;
-    let precision = options.scalar.unwrap_or(Precision::F64);
+    let precision = options.scalar.map_or(Precision::F64, |scalar| scalar.0);
     let (name, scalar) = (format.name(), precision.name());
     let bytes = export::export(&policy, form, precision)
         .map_err(|error| in_file(&source)(format!("this makes no skill in {scalar}: {error}")))?;

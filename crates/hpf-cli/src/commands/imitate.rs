@@ -11,14 +11,15 @@ use hpf_sim::task::Task;
 use hpf_sim::{Metric, Simulation};
 
 use crate::cli::Common;
-use crate::directory::Unfinished;
-use crate::failure::{Failure, Outcome};
-use crate::files::{LoadedTask, in_file, open_end, read_task, read_text, sha256};
-use crate::results::{LearningRow, Run};
-use crate::sinks::told;
-use crate::summary::Summary;
+use crate::deliver::read_task;
+use crate::outcome::Outcome;
 use crate::terminal::say;
-use crate::{log, overrides, report, results};
+use hpf::failure::Failure;
+use hpf::files::{LoadedTask, in_file, open_end, read_text, sha256};
+use hpf::results::{LearningRow, Run, Whole};
+use hpf::sinks::told;
+use hpf::summary::Summary;
+use hpf::{log, overrides, report, results};
 
 pub use options::{HELP, Options};
 
@@ -49,22 +50,19 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
     let account = saved::Account::new(&sources, &imitated, &errors, notes);
 
     let target = common.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&loaded.task.name));
-    let mut folder = Unfinished::begin(&target, common.force)?;
-    let written = (|| {
-        folder.write("task.toml", &loaded.text)?;
-        for table in &tables {
-            folder.write(&table.name, &table.csv)?;
-        }
-        let failures = results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
-        summary.total_s = started.elapsed().as_secs_f64();
-        folder.write("summary.json", format!("{:#}\n", account.in_json(summary.to_json()))).map(|()| failures)
-    })();
-    let failures = match written {
-        Ok(failures) => failures,
-        Err(failure) => return Err(folder.abandon(failure)),
+    let metrics = summary.metrics.clone();
+    let whole = Whole {
+        run: &run,
+        task_text: &loaded.text,
+        tables: &tables,
+        metrics: &metrics,
+        others: Vec::new(),
+        in_full: true,
     };
-    let files = folder.files().to_vec();
-    folder.finish(false)?;
+    let (files, failures) = whole.write(&target, common.force, || {
+        summary.total_s = started.elapsed().as_secs_f64();
+        account.in_json(summary.to_json())
+    })?;
 
     let place = target.display().to_string();
     if common.json {
@@ -135,8 +133,8 @@ fn task(
     }
     let name = options.name.clone().unwrap_or_else(|| name_of(&sources[0].path));
     let text = overrides::apply(&options.outline(name).write(demonstrations), &changes)?;
-    let task = Task::parse(&text).map_err(|found| report::render(&found, &text, "the task of the demonstrations"))?;
-    Ok(LoadedTask { task, text })
+    let task = Task::parse(&text).map_err(report::in_text("the task of the demonstrations"))?;
+    Ok(LoadedTask { task, text, notes: Vec::new() })
 }
 
 /// A name for the task of the demonstration in `path`: its own, in letters that a task may have.

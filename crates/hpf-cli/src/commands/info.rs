@@ -8,11 +8,14 @@ use serde_json::{Value, json};
 
 use crate::cli::{Check, Common, Info};
 use crate::comparison::{Comparison, Side};
-use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_bytes, read_task, read_text, verify_run};
-use crate::log::{self, Ending};
+use crate::deliver::read_task;
+use crate::outcome::Outcome;
+use crate::render;
 use crate::terminal::say;
-use crate::{nodes, packed, render};
+use hpf::failure::Failure;
+use hpf::files::{in_file, read_bytes, read_text, verify_run};
+use hpf::log::{self, Ending};
+use hpf::{nodes, packed};
 
 /// Runs `hpf info`.
 pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
@@ -32,7 +35,7 @@ fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
         let skill = Packed::parse(&bytes).map_err(in_file(path))?;
         return answer(common, &packed::to_json(&skill), || packed::text(&skill));
     }
-    if begins_with(path, mcap::MAGIC) || is_named_as_log(path) {
+    if begins_with(path, log::MAGIC) || is_named_as_log(path) {
         let contents = log::summarize(path).map_err(in_file(path))?;
         let hint = match contents.ending {
             Ending::Complete => String::new(),

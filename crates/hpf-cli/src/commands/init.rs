@@ -7,8 +7,10 @@ use serde_json::json;
 use toml_edit::Value;
 
 use crate::cli::{Common, Init};
-use crate::failure::{Failure, Outcome};
-use crate::files::{deliver, place, refuse_occupied};
+use crate::deliver::deliver;
+use crate::outcome::Outcome;
+use hpf::failure::Failure;
+use hpf::files::{place, refuse_occupied};
 
 /// The kinds of task to start from: the shipped ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -33,7 +35,7 @@ pub enum Kind {
 }
 
 /// The program that makes the rollouts of the shipped task of kind process.
-const PROGRAM: &str = include_str!("../../../../examples/process/point_mass.py");
+const PROGRAM: &str = include_str!("../../shipped/examples/process/point_mass.py");
 
 impl Kind {
     fn name(self) -> &'static str {
@@ -53,7 +55,7 @@ impl Kind {
     fn shipped(self) -> (&'static str, &'static str, &'static str) {
         macro_rules! shipped {
             ($folder:literal, $name:literal) => {
-                ($folder, $name, include_str!(concat!("../../../../", $folder, "/", $name, ".toml")))
+                ($folder, $name, include_str!(concat!("../../shipped/", $folder, "/", $name, ".toml")))
             };
         }
         match self {

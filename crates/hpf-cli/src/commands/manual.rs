@@ -7,10 +7,11 @@ use clap_mangen::Man;
 use serde_json::json;
 
 use crate::cli::{Arguments, Common};
-use crate::failure::{Failure, Outcome};
-use crate::files::{make_folder, refuse_occupied, while_writing, write};
+use crate::outcome::Outcome;
 use crate::render;
 use crate::terminal::say;
+use hpf::failure::Failure;
+use hpf::files::{make_folder, refuse_occupied, while_writing, write};
 
 /// Runs `hpf manual`.
 pub fn manual(common: &Common) -> Result<Outcome, Failure> {

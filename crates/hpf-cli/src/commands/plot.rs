@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use crate::cli::{Common, Plot};
-use crate::failure::{Failure, Outcome};
-use crate::figure::{self, Drawing, MOST_SERIES, Named};
+use crate::outcome::Outcome;
 use crate::render;
-use crate::results::Run;
 use crate::terminal::say;
+use hpf::failure::Failure;
+use hpf::figure::{self, Drawing, MOST_SERIES, Named};
+use hpf::results::Run;
 
 /// Names farther apart than this are not taken for each other (0 to 1).
 const LEAST_LIKENESS: f64 = 0.75;
@@ -28,7 +29,7 @@ pub fn plot(options: &Plot, common: &Common) -> Result<Outcome, Failure> {
     let figures = chosen(figures, &options.only)?;
     let standing: Vec<String> = figures
         .iter()
-        .map(|drawing| format!("{}.{}", drawing.name, options.format.extension()))
+        .map(|drawing| format!("{}.{}", drawing.name, options.format.0.extension()))
         .filter(|name| folder.join(name).exists())
         .collect();
     if !standing.is_empty() && !common.force {
@@ -38,7 +39,7 @@ pub fn plot(options: &Plot, common: &Common) -> Result<Outcome, Failure> {
             standing.join(", ")
         )));
     }
-    let files = figure::draw(&figures, &subject, options.format, &folder)?;
+    let files = figure::draw(&figures, &subject, options.format.0, &folder)?;
     if common.json {
         let object = json!({ "format": "hpf-plots", "version": 1, "directory": folder, "files": files });
         say(&format!("{object:#}\n"))?;

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use crate::cli::{Common, Recover};
-use crate::failure::{Failure, Outcome};
-use crate::files::{deliver, in_file, read_bytes};
-use crate::log::{self, Ending, Recovered};
+use crate::deliver::deliver;
+use crate::outcome::Outcome;
+use hpf::failure::Failure;
+use hpf::files::{in_file, read_bytes};
+use hpf::log::{self, Ending, Recovered};
 
 /// Runs `hpf recover`.
 pub fn recover(options: &Recover, common: &Common) -> Result<Outcome, Failure> {

@@ -7,15 +7,17 @@ use std::time::Instant;
 use serde_json::json;
 
 use crate::cli::{Common, Reproduce};
-use crate::failure::{Failure, Outcome};
-use crate::figure::{self, Format};
-use crate::files::{self, in_file, make_folder, read_text};
+use crate::outcome::Outcome;
+use crate::render;
 use crate::reproduce::{
     Claim, Study, Variant, claims, difference, json as claims_json, markdown, of_first_seed, over_seeds, placed,
     variants,
 };
 use crate::terminal::say;
-use crate::{render, trial};
+use hpf::failure::Failure;
+use hpf::figure::{self, Format};
+use hpf::files::{self, in_file, make_folder, read_text};
+use hpf::trial;
 
 /// Runs `hpf reproduce`.
 pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failure> {

@@ -3,8 +3,9 @@
 use hpf_sim::task::Task;
 
 use crate::cli::Common;
-use crate::failure::{Failure, Outcome};
-use crate::files::deliver;
+use crate::deliver::deliver;
+use crate::outcome::Outcome;
+use hpf::failure::Failure;
 
 /// Runs `hpf schema`.
 pub fn schema(common: &Common) -> Result<Outcome, Failure> {

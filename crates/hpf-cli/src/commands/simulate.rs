@@ -1,5 +1,6 @@
 //! `hpf run`: a learned policy, simulated again.
 
+use hpf::words;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -8,15 +9,17 @@ use hpf_sim::task::MAX_TASK_BYTES;
 use hpf_sim::{Simulation, Task};
 
 use crate::cli::{Common, Simulate};
-use crate::conduct::Controlled;
-use crate::directory::Unfinished;
-use crate::failure::{Failure, Outcome};
-use crate::files::{in_file, read_limited, read_policy, read_task, sha256};
-use crate::results::{LearningRow, Run};
-use crate::sinks::told;
-use crate::summary::Summary;
+use crate::deliver::read_task;
+use crate::outcome::Outcome;
+use crate::render;
 use crate::terminal::{say, tell};
-use crate::{overrides, render, report, results};
+use hpf::conduct::Controlled;
+use hpf::failure::Failure;
+use hpf::files::{in_file, read_limited, read_policy, sha256};
+use hpf::results::{LearningRow, Run, Whole};
+use hpf::sinks::told;
+use hpf::summary::Summary;
+use hpf::{overrides, report, results};
 
 /// What `--set` may change: the policy decides the rest.
 const ENVIRONMENT: [&str; 8] = ["rate", "disturbance", "contact", "sensor", "actuator", "via_point", "cost", "accept"];
@@ -88,28 +91,18 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
     };
     let (mut files, mut failures) = (Vec::new(), Vec::new());
     if let Some(target) = &common.out {
-        let mut folder = Unfinished::begin(target, common.force)?;
-        folder.ready()?;
-        let saved = (|| {
-            for table in &tables {
-                folder.write(&table.name, &table.csv)?;
-            }
-            folder.write("task.toml", &loaded.text)?;
-            failures = results::save(&run, &loaded.text, &summary.metrics, &mut folder)?;
-            if let Some(controlled) = &controlled {
-                folder.write("controller.csv", controlled.csv(&run.task, &time))?;
-                if let Some(text) = &controlled.text {
-                    folder.write("settings.toml", text)?;
-                }
-            }
-            summary.total_s = started.elapsed().as_secs_f64();
-            folder.write("summary.json", format!("{:#}\n", object(&summary)))
-        })();
-        if let Err(failure) = saved {
-            return Err(folder.abandon(failure));
+        let metrics = summary.metrics.clone();
+        let mut others = Vec::new();
+        if let Some(controlled) = &controlled {
+            others.push(("controller.csv", controlled.csv(&run.task, &time)));
+            others.extend(controlled.text.clone().map(|text| ("settings.toml", text)));
         }
-        files = folder.files().to_vec();
-        folder.finish(false)?;
+        let whole =
+            Whole { run: &run, task_text: &loaded.text, tables: &tables, metrics: &metrics, others, in_full: true };
+        (files, failures) = whole.write(target, common.force, || {
+            summary.total_s = started.elapsed().as_secs_f64();
+            object(&summary)
+        })?;
     }
 
     let place = common.out.as_ref().map(|out| out.display().to_string());
@@ -131,12 +124,12 @@ fn settings(options: &Simulate, task: &Task) -> Result<Option<(Settings, Option<
         return Ok(None);
     }
     if task.contact.is_some() && task.least_rate().is_none_or(|rate| rate > task.rate) {
-        tell(&format!("warning: this loop runs at {} Hz; {}", render::number(task.rate), render::least_rate(task)));
+        tell(&format!("warning: this loop runs at {} Hz; {}", words::number(task.rate), render::least_rate(task)));
     }
     let Some(path) = &options.settings else { return Ok(Some((Settings::default(), None))) };
     let text = read_limited(path, MAX_TASK_BYTES as u64)?;
     let name = path.display().to_string();
-    let settings = Settings::parse(&text, &task.axis).map_err(|found| report::render(&found, &text, &name))?;
+    let settings = Settings::parse(&text, &task.axis).map_err(report::in_text(&name))?;
     Ok(Some((settings, Some(text))))
 }
 

@@ -7,13 +7,14 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use crate::cli::{Common, Sweep};
-use crate::failure::{Failure, Outcome as Exit};
-use crate::figure::{self, Drawing, Format, Group, Measure, Member};
-use crate::files::{self, make_folder, read_text, while_writing};
-use crate::nodes;
-use crate::sinks::told;
+use crate::outcome::Outcome as Exit;
 use crate::sweep::{Outcome, Plan, Sample, Setting, learn_all, render};
 use crate::terminal::say;
+use hpf::failure::Failure;
+use hpf::figure::{self, Drawing, Format, Group, Measure, Member};
+use hpf::files::{self, make_folder, read_text, while_writing};
+use hpf::nodes;
+use hpf::sinks::told;
 
 /// The file that a sweep under way holds locked; one that was broken off leaves it.
 const LOCK: &str = ".lock";

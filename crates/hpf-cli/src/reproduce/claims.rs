@@ -4,10 +4,10 @@ use hpf_sim::{AxisTrace, Conditions};
 
 use super::study::{Study, Variant, constant_force_error};
 use super::words::{Worst, both, value, worst};
-use crate::failure::Failure;
-use crate::render::PAPER_DEVIATION;
-use crate::statistics::Spread;
-use crate::trial::Trial;
+use hpf::failure::Failure;
+use hpf::paper::PAPER_DEVIATION;
+use hpf::statistics::Spread;
+use hpf::trial::Trial;
 
 /// A via point, goal and force that are met this well are met; the paper gives no number [m, m, N].
 const MET: (f64, f64, f64) = (1e-3, 1e-3, 0.2);

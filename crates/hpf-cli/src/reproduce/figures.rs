@@ -1,8 +1,8 @@
 //! The figures of the paper, by their numbers, and what spreads over seeds.
 
 use super::study::{Study, Variant};
-use crate::figure::{Drawing, Group, Member, figures as of_run, sweep_cost};
-use crate::trial::Trial;
+use hpf::figure::{Drawing, Group, Member, figures as of_run, sweep_cost};
+use hpf::trial::Trial;
 
 /// Number in the paper, name among the figures of a run, and whose run.
 const NUMBERED: [(usize, &str, Variant); 11] = [

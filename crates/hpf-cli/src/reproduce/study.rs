@@ -7,17 +7,17 @@ use hpf_sim::environment::{Cantilever, Contact};
 use hpf_sim::task::Task;
 use hpf_sim::{Policy, Simulation};
 
-use crate::failure::Failure;
-use crate::files::LoadedTask;
-use crate::progress::Tally;
+use crate::progress::{Signals, Tally};
 use crate::side_by_side::side_by_side;
-use crate::statistics::Spread;
-use crate::trial::{self, Broken, Prepared, Trial};
-use crate::{overrides, report};
+use hpf::failure::Failure;
+use hpf::files::LoadedTask;
+use hpf::statistics::Spread;
+use hpf::trial::{self, Broken, Prepared, Trial};
+use hpf::{overrides, report};
 
-const VIA_POINT: &str = include_str!("../../../../tasks/via_point.toml");
-const CANTILEVER: &str = include_str!("../../../../tasks/cantilever.toml");
-const MOVING_LOAD: &str = include_str!("../../../../tasks/cantilever_moving_load.toml");
+const VIA_POINT: &str = include_str!("../../shipped/tasks/via_point.toml");
+const CANTILEVER: &str = include_str!("../../shipped/tasks/cantilever.toml");
+const MOVING_LOAD: &str = include_str!("../../shipped/tasks/cantilever_moving_load.toml");
 const CONSTANT_FORCE: &str = include_str!("constant_force.toml");
 
 /// A way to learn a task of the paper.
@@ -83,8 +83,8 @@ impl Variant {
 /// A task of the program itself, with changes.
 fn embedded((name, text): (&str, &str), changes: &[String]) -> Result<LoadedTask, Failure> {
     let text = overrides::apply(text, changes)?;
-    let task = Task::parse(&text).map_err(|found| report::render(&found, &text, name))?;
-    Ok(LoadedTask { task, text })
+    let task = Task::parse(&text).map_err(report::in_text(name))?;
+    Ok(LoadedTask { task, text, notes: Vec::new() })
 }
 
 /// Every variant, learned with every seed.
@@ -113,7 +113,7 @@ impl Study {
         let results: Vec<Mutex<Option<Result<Trial, Broken>>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
         let tally = Mutex::new(Tally::new("reproduce", jobs.len(), 0, quiet));
         side_by_side(jobs.len(), |index| {
-            let trial = trial::learn(&jobs[index].loaded);
+            let trial = trial::learn(&jobs[index].loaded, &Signals);
             tally.lock().expect("no worker panics").count(&jobs[index].loaded.task.name, None);
             *results[index].lock().expect("no worker panics") = Some(trial);
         })?;

@@ -3,7 +3,7 @@
 use super::claims::{Claim, claim, number};
 use super::study::{Study, Variant};
 use super::words::Worst;
-use crate::trial::Trial;
+use hpf::trial::Trial;
 
 /// The shipped tasks and what is beside them.
 pub fn variants(study: &Study) -> Vec<Claim> {

@@ -1,7 +1,7 @@
 //! Numbers in the page: two digits that count, which every platform agrees on.
 
-use crate::figure::short;
-use crate::statistics::Spread;
+use hpf::figure::short;
+use hpf::statistics::Spread;
 
 /// Digits that count.
 const DIGITS: usize = 2;

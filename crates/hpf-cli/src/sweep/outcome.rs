@@ -7,10 +7,10 @@ use serde_json::{Map, Value, json};
 
 use super::plan::{Job, Plan};
 use super::work::Done;
-use crate::failure::Failure;
-use crate::files::{in_file, read_text, while_writing};
-use crate::results::{LearningRow, read_learning};
-use crate::statistics::Spread;
+use hpf::failure::Failure;
+use hpf::files::{in_file, read_text, while_writing};
+use hpf::results::{LearningRow, read_learning};
+use hpf::statistics::Spread;
 
 /// A run that was finished.
 pub struct Sample {
@@ -74,7 +74,7 @@ impl<'p> Outcome<'p> {
             let learning = read_learning(&read_text(&file)?).map_err(in_file(&file))?;
             Ok(Some(Sample { summary, learning }))
         };
-        let samples = plan.jobs.iter().zip(&done.failures).map(read).collect::<Result<_, _>>()?;
+        let samples = plan.jobs.iter().zip(&done.failures).map(read).collect::<Result<_, Failure>>()?;
         Ok(Self { plan, samples, failures: &done.failures, interrupted: done.interrupted })
     }
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Sweep;
-use crate::failure::Failure;
-use crate::files::{in_file, sha256};
-use crate::trial::Prepared;
+use hpf::failure::Failure;
+use hpf::files::{in_file, sha256};
+use hpf::trial::Prepared;
 
 /// Most runs of one sweep.
 const MOST_RUNS: usize = 10_000;

@@ -4,7 +4,8 @@ use core::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::render::{number, wrapped};
+use crate::render::wrapped;
+use hpf::words::number;
 
 /// The results of the runs of a sweep, by setting.
 pub fn render(summary: &Value, kept: usize, seconds: f64, folder: &str, files: &[String]) -> String {

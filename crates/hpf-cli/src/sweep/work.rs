@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use serde_json::{Value, json};
 
 use super::plan::{Job, Plan};
-use crate::failure::Failure;
-use crate::files::{read_text, sha256};
 use crate::interrupt;
-use crate::progress::Tally;
-use crate::results::{OwnTable, read_learning};
+use crate::progress::{Signals, Tally};
 use crate::side_by_side::side_by_side;
-use crate::trial::{self, Broken};
+use hpf::failure::Failure;
+use hpf::files::{read_text, sha256};
+use hpf::results::{OwnTable, read_learning};
+use hpf::trial::{self, Broken};
 
 /// What became of the runs of a plan.
 pub struct Done {
@@ -99,6 +99,6 @@ pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: boo
 }
 
 fn learn(job: &Job, folder: &Path, full: bool) -> Result<(), Broken> {
-    let trial = trial::learn(&job.prepared.loaded)?;
+    let trial = trial::learn(&job.prepared.loaded, &Signals)?;
     Ok(trial::save(&trial, &job.prepared, full, &folder.join(&job.directory))?)
 }

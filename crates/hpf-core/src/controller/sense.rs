@@ -10,7 +10,7 @@ use crate::limits::cut;
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// The length of a step of `dt`, if it is one.
     #[inline]
-    pub(super) fn heed(&mut self, dt: T) -> Option<T> {
+    pub(super) fn validate_dt(&mut self, dt: T) -> Option<T> {
         let longest = self.settings.timing.longest_step;
         if dt >= T::of(SHORTEST_STEP) && dt <= longest {
             return Some(dt);
@@ -53,12 +53,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         self.weigh(blind, rateless, T::ZERO);
         if self.last.status.lost() {
-            self.on(Event::Lost);
+            self.handle_event(Event::Lost);
         }
     }
 
     /// The force that the model sees, good or not.
-    pub(super) fn feel(&mut self, input: &Input<T, D>, dt: T) -> [T; D] {
+    pub(super) fn condition_force(&mut self, input: &Input<T, D>, dt: T) -> [T; D] {
         let compensated = self.read(input);
         let Settings { axes, conditioning, timing, .. } = &self.settings;
         if self.last.mode == Mode::Idle {
@@ -69,12 +69,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             }
             self.last.status.tare_ready = self.tare.mean().is_some();
         }
-        if self.pace.dt != dt {
-            (self.pace.dt, self.pace.settled, self.pace.rate) = (dt, conditioning.settled(dt), -T::ONE);
+        if self.cache.dt != dt {
+            (self.cache.dt, self.cache.settled, self.cache.rate) = (dt, conditioning.settled(dt), -T::ONE);
             // Without its sign: a ramp of -0 is one of 0.
-            self.pace.ramp_share = (dt / timing.ramp).abs().at_most(T::ONE);
+            self.cache.ramp_share = (dt / timing.ramp).abs().at_most(T::ONE);
         }
-        conditioning.settle(&mut self.force, compensated, self.pace.settled)
+        conditioning.settle(&mut self.force, compensated, self.cache.settled)
     }
 
     /// Reads the force; returns it compensated [N], the last good one where it is bad.
@@ -131,7 +131,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         if self.last.status.force_tripped || self.last.status.tracking_tripped {
             count(&mut self.counters.trips);
-            self.on(Event::Tripped);
+            self.handle_event(Event::Tripped);
         }
         blind
     }
@@ -189,7 +189,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         status.time_lost = debts.clock.lost(steps);
         let measured = [debts.force, debts.position, debts.rate];
         if debts.clock.hopeless(steps, steps) || measured.into_iter().any(|debt| debt.hopeless(hold, ramp)) {
-            self.on(Event::Lost);
+            self.handle_event(Event::Lost);
         }
     }
 
@@ -209,11 +209,11 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         // A path at rest at its start begins at any rate without a jump; only under way a change needs the ramp.
         if rate != self.last.rate && self.last.phase < T::ONE {
-            let change = self.pace.ramp_share;
+            let change = self.cache.ramp_share;
             rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
         }
         if lost && rate <= T::ZERO {
-            self.on(Event::Lost);
+            self.handle_event(Event::Lost);
         }
         rate
     }

@@ -14,7 +14,7 @@ use crate::{AxisPrimitives, Real};
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// One step of a `dt` that is in order.
     pub(super) fn advance(&mut self, input: &Input<T, D>, dt: T) {
-        let force = self.feel(input, dt);
+        let force = self.condition_force(input, dt);
         let blind = self.watch(input);
         let rateless = !input.rate.is_finite();
         if self.debts.any || self.last.status.bad_force || blind || rateless {
@@ -26,8 +26,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             self.observe(input);
         }
         let rate = self.next_rate(input.rate);
-        self.keep_pace(rate, dt);
-        self.walk(force, rate, dt);
+        self.update_cache(rate, dt);
+        self.advance_axes(force, rate, dt);
         if !self.ended && self.last.phase <= self.end_phase {
             self.ended = true;
             self.last.status.ended = true;
@@ -36,12 +36,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 
     /// Makes anew what the rate of time decides, where it or the step's length is not what it was.
     #[inline]
-    fn keep_pace(&mut self, rate: T, dt: T) {
-        if self.pace.rate == rate {
+    fn update_cache(&mut self, rate: T, dt: T) {
+        if self.cache.rate == rate {
             return;
         }
         let phase = self.skill.phase();
-        (self.pace.rate, self.pace.half) = (rate, phase.change(rate, dt * T::of(0.5)));
+        (self.cache.rate, self.cache.half) = (rate, phase.change(rate, dt * T::of(0.5)));
         let step = |alpha| Increment::new(alpha, rate * dt / phase.duration());
         let mut last = None;
         for (state, AxisPrimitives { movement, .. }) in self.axes.iter_mut().zip(self.skill.axes()) {
@@ -64,12 +64,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     }
 
     /// Advances reference, offsets and commands.
-    fn walk(&mut self, force: [T; D], rate: T, dt: T) {
+    fn advance_axes(&mut self, force: [T; D], rate: T, dt: T) {
         let tank = self.settings.tank.as_ref();
         // What has not moved stands where it was put, wherever the robot is.
         let walled = self.settings.port.is_some() && self.moved;
         let gives = self.gives();
-        let half = self.pace.half;
+        let half = self.cache.half;
         let middle = self.last.phase + self.last.phase * half;
 
         // Stiffness as the tank allows it; the whole step of every reference, and what it would cost.
@@ -116,8 +116,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         // What is left goes down no faster than it would by the ramp: a path that has to slow down has the time to.
         let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.last.energy));
         if tank.is_some() {
-            if cost > left * self.pace.ramp_share {
-                share = lesser(share, left * self.pace.ramp_share, cost);
+            if cost > left * self.cache.ramp_share {
+                share = lesser(share, left * self.cache.ramp_share, cost);
                 short = true;
             }
             left = left - (share * cost).at_least(T::ZERO);

@@ -13,7 +13,7 @@ use crate::weighting::{LANES, Pack, Scale, least, most};
 /// Rollouts of a group: their weights in the steps of a tile fit into registers.
 pub(super) const MEMBERS: usize = 8;
 
-/// The rollouts, and rooms for what comes of them.
+/// The rollouts, and scratch for what comes of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Group {
     /// Which take part: those that are there and cost a finite amount.
@@ -35,7 +35,7 @@ pub(super) struct Group {
 
 /// What is done with a group, one after the other.
 #[derive(Clone, Copy)]
-pub(super) enum Stage<'a> {
+pub(super) enum Pass<'a> {
     /// Sums up its costs.
     Gather,
     /// Turns them into weights.
@@ -55,7 +55,7 @@ pub(super) enum Weights<'a> {
     Ranks(&'a [[Pack; MEMBERS]], usize),
 }
 
-impl Stage<'_> {
+impl Pass<'_> {
     /// Adds what was found of another group.
     pub(super) fn join(&self, group: &mut Group, other: &Group) {
         fn zip<T: Copy>(into: &mut [T], other: &[T], join: impl Fn(T, T) -> T) {
@@ -75,7 +75,7 @@ impl Stage<'_> {
 /// A stage of some groups, for compilation in every set of instructions.
 pub(super) struct Work<'a> {
     pub(super) inputs: &'a Inputs<'a>,
-    pub(super) stage: Stage<'a>,
+    pub(super) stage: Pass<'a>,
     /// Of the first among all groups.
     pub(super) first: usize,
     pub(super) groups: &'a mut [Group],
@@ -88,17 +88,17 @@ impl NullaryFnOnce for Work<'_> {
     fn call(self) {
         let Self { inputs, stage, first, groups } = self;
         match stage {
-            Stage::Gather => {
+            Pass::Gather => {
                 for (index, group) in (first..).zip(groups) {
                     group.gather(inputs, index * MEMBERS);
                 }
             }
-            Stage::Weigh(weights) => {
+            Pass::Weigh(weights) => {
                 for (index, group) in (first..).zip(groups) {
                     group.weigh(weights, index);
                 }
             }
-            Stage::Improve(sums) => {
+            Pass::Improve(sums) => {
                 for group in &mut *groups {
                     group.normalise(sums);
                 }
@@ -132,7 +132,8 @@ impl Group {
         shares.resize(inputs.rows(), [nothing; MEMBERS]);
         *is_kept = [false; MEMBERS];
         for (i, cost) in inputs.costs[first..].iter().take(MEMBERS).enumerate() {
-            let (whole, rest) = cost.running[..inputs.steps].as_chunks::<LANES>();
+            // A cost of a total alone has no steps.
+            let (whole, rest) = cost.running.get(..inputs.steps).unwrap_or_default().as_chunks::<LANES>();
             let mut last = [0.0; LANES];
             last[..rest.len()].copy_from_slice(rest);
             // A cost to go that cannot be told may lie behind others that can.

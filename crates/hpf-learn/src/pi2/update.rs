@@ -1,4 +1,4 @@
-//! The update of PI2 in groups of rollouts and tiles of steps, in rooms that are used again.
+//! The update of PI2 in groups of rollouts and tiles of steps, in scratch that are used again.
 //!
 //! With the table P (steps x K), the exploration E (K x parameters) and `a_{t,j}` the normalised (N-t) psi_{t,j}, over
 //! the basis' length where projected:
@@ -14,7 +14,7 @@ use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use super::bases::Bases;
-use super::group::{Group, MEMBERS, Stage, Weights, Work};
+use super::group::{Group, MEMBERS, Pass, Weights, Work};
 use super::{Batch, Credit};
 use crate::weighting::{Pack, Ranking, Scale};
 use crate::{Cost, Temperature};
@@ -24,9 +24,9 @@ const SHARED: usize = 16_000;
 /// Tiles in which one thread compares rollouts of all groups at a time, where that takes long.
 const TILES: usize = 8;
 
-/// Rooms for an update.
+/// Scratch memory of an update.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Rooms {
+pub(super) struct Scratch {
     groups: Vec<Group>,
     /// How costs weigh: by the scale of each tile, or by rank in each tile of each group.
     scales: Vec<Scale>,
@@ -64,11 +64,11 @@ impl Inputs<'_> {
     }
 }
 
-impl Rooms {
+impl Scratch {
     /// Notes which costs are finite and sums them up over the steps; `false` where none is finite.
     pub(super) fn take(&mut self, inputs: &Inputs<'_>) -> bool {
         self.groups.resize_with(inputs.costs.len().div_ceil(MEMBERS), Group::default);
-        each(&mut self.groups, inputs, Stage::Gather);
+        each(&mut self.groups, inputs, Pass::Gather);
         self.kept().next().is_some()
     }
 
@@ -106,10 +106,10 @@ impl Rooms {
             }
             Temperature::Range(_) | Temperature::Lambda(_) => Weights::Extremes(temperature, extremes),
         };
-        each(groups, inputs, Stage::Weigh(weights));
+        each(groups, inputs, Pass::Weigh(weights));
         (groups[0].least, groups[0].most) = (least, most);
         let sums = core::mem::take(&mut groups[0].sums);
-        each(groups, inputs, Stage::Improve(&sums));
+        each(groups, inputs, Pass::Improve(&sums));
         groups[0].sums = sums;
     }
 
@@ -120,12 +120,12 @@ impl Rooms {
 }
 
 /// One stage of all groups; what they find is joined in the first.
-fn each(groups: &mut [Group], inputs: &Inputs<'_>, stage: Stage<'_>) {
+fn each(groups: &mut [Group], inputs: &Inputs<'_>, stage: Pass<'_>) {
     part(groups, 0, inputs, stage, inputs.threads().next_power_of_two());
 }
 
 /// [`each`] of the groups from `first` on, in so many parts at the same time.
-fn part(groups: &mut [Group], first: usize, inputs: &Inputs<'_>, stage: Stage<'_>, parts: usize) {
+fn part(groups: &mut [Group], first: usize, inputs: &Inputs<'_>, stage: Pass<'_>, parts: usize) {
     if parts > 1 && groups.len() > 1 {
         let half = half(groups);
         let (left, right) = groups.split_at_mut(half);
@@ -139,7 +139,7 @@ fn part(groups: &mut [Group], first: usize, inputs: &Inputs<'_>, stage: Stage<'_
 }
 
 /// Joins what was found of each group in the first of them.
-fn join(groups: &mut [Group], stage: Stage<'_>) {
+fn join(groups: &mut [Group], stage: Pass<'_>) {
     if groups.len() > 1 {
         let (left, right) = groups.split_at_mut(half(groups));
         join(left, stage);

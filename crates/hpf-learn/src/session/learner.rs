@@ -1,8 +1,8 @@
 //! Learners that are told many numbers of a motion: signals, or the roots of the costs of its steps.
 
 use crate::auto::FallBack;
-use crate::squares::Squares;
-use crate::{GaussNewton, Settled};
+use crate::step_costs::StepCostLearner;
+use crate::{Exhausted, GaussNewton};
 
 /// One of them, and where it learns from costs what comes after it.
 #[derive(Clone, Debug)]
@@ -12,7 +12,7 @@ pub(super) enum Learner {
     /// Gauss-Newton on the roots of costs.
     Roots(GaussNewton, FallBack),
     /// The squares of costs.
-    Squares(Box<Squares>, FallBack),
+    StepCosts(Box<StepCostLearner>, FallBack),
 }
 
 /// The same of each.
@@ -20,7 +20,7 @@ macro_rules! each {
     ($self:ident, $learner:ident => $result:expr) => {
         match $self {
             Self::Signals($learner) | Self::Roots($learner, _) => $result,
-            Self::Squares($learner, _) => $result,
+            Self::StepCosts($learner, _) => $result,
         }
     };
 }
@@ -49,8 +49,8 @@ impl Learner {
         each!(self, learner => learner.reach())
     }
 
-    pub(super) fn settled(&self) -> Option<Settled> {
-        each!(self, learner => learner.settled())
+    pub(super) fn exhausted(&self) -> Option<Exhausted> {
+        each!(self, learner => learner.exhausted())
     }
 
     /// Whether it is told signals, rather than the roots of costs.
@@ -61,7 +61,7 @@ impl Learner {
     pub(super) fn is_coupled(&self) -> bool {
         match self {
             Self::Signals(learner) | Self::Roots(learner, _) => learner.is_coupled(),
-            Self::Squares(..) => false,
+            Self::StepCosts(..) => false,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Where what was told leads: the one way on, for what has just been told and for what is told again.
 
-use super::{Learner, Session, Stage};
+use super::{ActiveMethod, Learner, Session};
 use crate::auto::{FallBack, Patience};
-use crate::{History, LearnError, Note, Price, Progress, Record, Settled, Stop};
+use crate::{Exhausted, History, LearnError, Note, Price, Progress, Record, TerminationReason};
 
 impl Session {
     /// Goes where `record` led before; the records of a session in their order lead to where it was.
@@ -14,10 +14,10 @@ impl Session {
             return Err(LearnError::WrongRecord);
         }
         let progress = match record {
-            Record::Costs(prices) if !self.evaluations.is_empty() => {
+            Record::Costs(prices) if self.due.is_some() => {
                 self.evaluated(prices.first().ok_or(LearnError::WrongRecord)?)?
             }
-            record if self.has_batch() => self.learned(record)?,
+            record if self.due.is_none() => self.learned(record)?,
             _ => return Err(LearnError::WrongRecord),
         };
         self.look_ahead();
@@ -27,9 +27,9 @@ impl Session {
         }
     }
 
-    /// Takes what the first outcome that is due was found to cost.
+    /// Takes what the outcome that is due was found to cost.
     fn evaluated(&mut self, price: &Price) -> Result<Option<Progress>, LearnError> {
-        let due = self.evaluations.pop_front().expect("one is due");
+        let due = self.due.take().expect("one is due");
         if due.update == 0 {
             return self.started(price);
         }
@@ -67,7 +67,7 @@ impl Session {
             self.seek = Some(seek);
             return Ok(None);
         };
-        self.stage = seek.stage(weights.clone())?;
+        self.method = seek.active(weights.clone())?;
         self.history.notes.push(Note::Sought(seek.tried()));
         let initial =
             Progress { weights, rollouts: self.history.rollouts, ..self.history.initial.clone() }.priced(price);
@@ -89,10 +89,9 @@ impl Session {
         Progress { update, rollouts, total: f64::INFINITY, terms: Vec::new(), exploration, weights }
     }
 
-    /// Has `outcome` evaluated by itself.
+    /// Has `outcome` evaluated.
     fn evaluate(&mut self, outcome: Progress) {
-        let rollouts = outcome.rollouts + (self.evaluations.len() + 1) * self.motions;
-        self.evaluations.push_back(Progress { rollouts, ..outcome });
+        self.due = Some(Progress { rollouts: outcome.rollouts + self.motions, ..outcome });
     }
 
     /// Takes the record of a batch.
@@ -101,20 +100,19 @@ impl Session {
         if self.seek.is_some() {
             return self.sought(record);
         }
-        match (&mut self.stage, record) {
+        match (&mut self.method, record) {
             (
-                Stage::Pi2(learner) | Stage::Polish(learner, _),
-                Record::Update { update, weights, spread, exploration, rejected, cheapest, elites },
+                ActiveMethod::Pi2(learner) | ActiveMethod::Polish(learner, _),
+                Record::Update { update, weights, spread, exploration, rejected, cheapest },
             ) => {
                 if [weights, spread].iter().any(|list| list.len() != learner.weights().len()) {
                     return Err(LearnError::WrongRecord);
                 }
                 learner.restore(*update, weights, spread);
-                self.elites.clone_from(elites);
                 let weights = weights.clone();
                 self.history.rollouts += self.rollouts * self.motions;
                 self.history.rejected += rejected;
-                if let Stage::Polish(..) = self.stage {
+                if let ActiveMethod::Polish(..) = self.method {
                     self.cheapest.clone_from(cheapest);
                     return Ok(self.end_update(*exploration));
                 }
@@ -122,8 +120,8 @@ impl Session {
                 self.evaluate(self.outcome(weights, *exploration));
                 Ok(None)
             }
-            (Stage::Signals(..), Record::Signals { prices, signals }) => self.answered(prices, signals),
-            (Stage::CmaEs(learner), Record::Costs(prices)) => {
+            (ActiveMethod::Signals(..), Record::Signals { prices, signals }) => self.answered(prices, signals),
+            (ActiveMethod::CmaEs(learner), Record::Costs(prices)) => {
                 if prices.len() != learner.ask().len() {
                     return Err(LearnError::WrongRecord);
                 }
@@ -144,7 +142,7 @@ impl Session {
 
     /// Takes the record of a batch of Gauss-Newton.
     fn answered(&mut self, prices: &[Price], signals: &[Vec<f64>]) -> Result<Option<Progress>, LearnError> {
-        let Stage::Signals(learner) = &self.stage else { return Err(LearnError::WrongRecord) };
+        let ActiveMethod::Signals(learner) = &self.method else { return Err(LearnError::WrongRecord) };
         let count = prices.len();
         let fits = (1..=learner.ask().len()).contains(&count)
             && signals.len() == count
@@ -163,7 +161,7 @@ impl Session {
         }
         self.history.rollouts += (count - usize::from(is_start)) * self.motions;
         self.offer(&samples, prices);
-        let Stage::Signals(learner) = &mut self.stage else { unreachable!("matched above") };
+        let ActiveMethod::Signals(learner) = &mut self.method else { unreachable!("matched above") };
         let (update, reach, was_coupled) = (learner.update(), learner.reach(), learner.is_coupled());
         self.history.rejected += learner.tell(signals);
         if learner.is_coupled() && !was_coupled {
@@ -195,7 +193,7 @@ impl Session {
 
     /// Finds out whether a batch is to follow, and of what.
     fn look_ahead(&mut self) {
-        if !self.evaluations.is_empty() {
+        if self.due.is_some() {
             return;
         }
         if self.seek.is_some() {
@@ -203,17 +201,17 @@ impl Session {
             return;
         }
         // What comes next may have nothing to learn, either.
-        while let Stage::Signals(learner) = &self.stage
-            && let Some(reason) = learner.settled()
+        while let ActiveMethod::Signals(learner) = &self.method
+            && let Some(reason) = learner.exhausted()
             && self.over.is_none()
         {
-            self.settle(reason);
+            self.exhaust(reason);
         }
         let best = self.history.best.total;
-        if let Stage::Polish(learner, patience) = &mut self.stage
+        if let ActiveMethod::Polish(learner, patience) = &mut self.method
             && patience.count(learner.update(), best)
         {
-            self.over = Some(Stop::Settled(Settled::NothingImproves));
+            self.over = Some(TerminationReason::Exhausted(Exhausted::NothingImproves));
         }
         if self.over.is_none() {
             self.over = self.limit();
@@ -221,36 +219,40 @@ impl Session {
     }
 
     /// Ends learning from signals; from costs, hands over to their squares or to PI2.
-    fn settle(&mut self, reason: Settled) {
+    fn exhaust(&mut self, reason: Exhausted) {
         self.history.best = self.history().best;
         self.cheapest = None;
-        let Stage::Signals(learner) = &self.stage else { return };
-        let is_negative = self.history.updates == 0 && reason == Settled::NoSignals;
+        let ActiveMethod::Signals(learner) = &self.method else { return };
+        let is_negative = self.history.updates == 0 && reason == Exhausted::NoSignals;
         let polish = |fall_back: &FallBack, scales: Vec<f64>| {
             let learner = fall_back.polish(scales, self.history.best.weights.clone());
-            Stage::Polish(Box::new(learner), Patience::new(self.history.best.total))
+            ActiveMethod::Polish(Box::new(learner), Patience::new(self.history.best.total))
         };
         let next = match &**learner {
             Learner::Signals(_) => None,
             // Where even the smallest perturbations fail, samples of PI2 would, too.
-            Learner::Squares(..) if reason == Settled::NoSignals => None,
-            Learner::Squares(learner, fall_back) => Some((Note::FellBack(reason), polish(fall_back, learner.scales()))),
+            Learner::StepCosts(..) if reason == Exhausted::NoSignals => None,
+            Learner::StepCosts(learner, fall_back) => {
+                Some((Note::FellBack(reason), polish(fall_back, learner.scales())))
+            }
             Learner::Roots(learner, fall_back) if is_negative || learner.is_noisy() => {
                 let note = if is_negative { Note::NegativeCosts } else { Note::FellBack(reason) };
                 Some((note, polish(fall_back, learner.scales())))
             }
             Learner::Roots(_, fall_back) => {
-                let learner =
-                    Learner::Squares(Box::new(fall_back.squares(self.history.best.weights.clone())), fall_back.clone());
-                Some((Note::Squares(reason), Stage::Signals(Box::new(learner))))
+                let learner = Learner::StepCosts(
+                    Box::new(fall_back.step_costs(self.history.best.weights.clone())),
+                    fall_back.clone(),
+                );
+                Some((Note::StepCosts(reason), ActiveMethod::Signals(Box::new(learner))))
             }
         };
         match next {
-            Some((note, stage)) => {
+            Some((note, active)) => {
                 self.history.notes.push(note);
-                self.stage = stage;
+                self.method = active;
             }
-            None => self.over = Some(Stop::Settled(reason)),
+            None => self.over = Some(TerminationReason::Exhausted(reason)),
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use rand::RngExt as _;
 
-use super::{Learner, Stage};
+use super::{ActiveMethod, Learner};
 use crate::auto::{FallBack, on_roots};
 use crate::noise::stream;
 use crate::{Block, CmaEs, GaussNewton, LearnError, Method, Pi2, Problem, SignalModel};
@@ -16,24 +16,24 @@ const MOST: usize = 50;
 const UPDATE: usize = u32::MAX as usize;
 
 /// The first stage of `method` from `weights`, for `blocks` and steps.
-pub(super) fn stage_of(
+pub(super) fn active_method(
     method: &Method,
     (blocks, steps): (&[Block], usize),
     model: Option<&SignalModel>,
     weights: Vec<f64>,
-) -> Result<Stage, LearnError> {
+) -> Result<ActiveMethod, LearnError> {
     let signals = |options, model, weights| {
-        Stage::Signals(Box::new(Learner::Signals(GaussNewton::new(blocks, model, weights, options))))
+        ActiveMethod::Signals(Box::new(Learner::Signals(GaussNewton::new(blocks, model, weights, options))))
     };
     Ok(match (*method, model) {
-        (Method::Pi2(options), _) => Stage::Pi2(Box::new(Pi2::new(blocks, steps, weights, options))),
-        (Method::CmaEs(options), _) => Stage::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
+        (Method::Pi2(options), _) => ActiveMethod::Pi2(Box::new(Pi2::checked(blocks, steps, weights, options))),
+        (Method::CmaEs(options), _) => ActiveMethod::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
         (Method::GaussNewton(options), Some(model)) => signals(options, model, weights),
         (Method::GaussNewton(_), None) => return Err(LearnError::NoSignals),
         (Method::Auto(options), Some(model)) => signals(options.signals(), model, weights),
         (Method::Auto(options), None) => {
             let fall_back = FallBack { blocks: blocks.to_vec(), steps, options };
-            Stage::Signals(Box::new(Learner::Roots(on_roots(blocks, steps, weights, options), fall_back)))
+            ActiveMethod::Signals(Box::new(Learner::Roots(on_roots(blocks, steps, weights, options), fall_back)))
         }
     })
 }
@@ -107,9 +107,9 @@ impl Seek {
         LearnError::NoStart { tried: self.tried }
     }
 
-    /// The first stage from `weights`.
-    pub(super) fn stage(&self, weights: Vec<f64>) -> Result<Stage, LearnError> {
+    /// The first method from `weights`.
+    pub(super) fn active(&self, weights: Vec<f64>) -> Result<ActiveMethod, LearnError> {
         let Plan { method, blocks, steps, model } = &*self.plan;
-        stage_of(method, (blocks, *steps), model.as_ref(), weights)
+        active_method(method, (blocks, *steps), model.as_ref(), weights)
     }
 }

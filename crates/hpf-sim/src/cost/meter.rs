@@ -88,14 +88,14 @@ impl AxisPrices {
 }
 
 /// What several rollouts cost, one per lane.
-pub(crate) struct Bill<'a, const N: usize> {
+pub(crate) struct CostAccumulator<'a, const N: usize> {
     running: &'a mut [[f64; N]],
     terms: [Lanes<N>; Term::ALL.len()],
     terminal: Lanes<N>,
 }
 
-impl<'a, const N: usize> Bill<'a, N> {
-    /// An empty bill; `running` holds a zero for every step.
+impl<'a, const N: usize> CostAccumulator<'a, N> {
+    /// An empty one; `running` holds a zero for every step.
     pub(crate) fn new(running: &'a mut [[f64; N]]) -> Self {
         Self { running, terms: [Lanes::ZERO; Term::ALL.len()], terminal: Lanes::ZERO }
     }
@@ -116,10 +116,10 @@ impl<'a, const N: usize> Bill<'a, N> {
     }
 }
 
-/// Puts the samples of one axis on a bill.
+/// Adds the samples of one axis to an accumulator.
 pub(crate) struct Meter<'m, 'b, const N: usize> {
     prices: &'m AxisPrices,
-    bill: &'m mut Bill<'b, N>,
+    accumulator: &'m mut CostAccumulator<'b, N>,
     /// What is to be added to the running terms when all samples are taken.
     sums: [Lanes<N>; RUNNING.len()],
     before: Before<N>,
@@ -140,23 +140,27 @@ struct Before<const N: usize> {
 }
 
 impl CostModel {
-    /// What puts the samples of axis `a` on `bill`.
+    /// What adds the samples of axis `a` to `accumulator`.
     #[inline(always)]
-    pub(crate) fn meter<'m, 'b, const N: usize>(&'m self, a: usize, bill: &'m mut Bill<'b, N>) -> Meter<'m, 'b, N> {
+    pub(crate) fn meter<'m, 'b, const N: usize>(
+        &'m self,
+        a: usize,
+        accumulator: &'m mut CostAccumulator<'b, N>,
+    ) -> Meter<'m, 'b, N> {
         let prices = &self.axes[a];
         let zero = Lanes::ZERO;
         let before = Before { position: zero, velocity: zero, squares: [zero; 4] };
-        Meter { prices, bill, sums: [zero; RUNNING.len()], before, via: &prices.via }
+        Meter { prices, accumulator, sums: [zero; RUNNING.len()], before, via: &prices.via }
     }
 
     /// Writes what `trace` costs.
     pub(crate) fn evaluate(&self, trace: &Trace, cost: &mut Cost) {
         cost.running.clear();
         cost.running.resize(trace.steps(), 0.0);
-        let mut bill = Bill::new(cost.running.as_chunks_mut::<1>().0);
+        let mut accumulator = CostAccumulator::new(cost.running.as_chunks_mut::<1>().0);
         for (a, axis) in trace.axes.iter().enumerate() {
             let contact = trace.contact.as_ref().filter(|contact| contact.axis == a);
-            let mut meter = self.meter(a, &mut bill);
+            let mut meter = self.meter(a, &mut accumulator);
             for i in 0..=trace.steps() + trace.rest_steps {
                 let lane = |signal: &[f64]| Lanes([signal[i]]);
                 meter.take(
@@ -174,7 +178,7 @@ impl CostModel {
                 );
             }
         }
-        let (terms, terminal) = bill.sums(0);
+        let (terms, terminal) = accumulator.sums(0);
         cost.terminal = terminal;
         cost.terms.clear();
         cost.terms.extend(terms);
@@ -201,7 +205,7 @@ impl<const N: usize> Meter<'_, '_, N> {
             (prices.tracking, both_ends(2)),
             (prices.contact_force, both_ends(3)),
         ];
-        let mut all = Lanes(self.bill.running[step]);
+        let mut all = Lanes(self.accumulator.running[step]);
         for (sum, (factor, squares)) in self.sums.iter_mut().zip(terms) {
             // A weight of zero leaves a term out: it does not make a NaN of an infinity.
             if factor > 0.0 {
@@ -210,7 +214,7 @@ impl<const N: usize> Meter<'_, '_, N> {
                 all += cost;
             }
         }
-        self.bill.running[step] = all.0;
+        self.accumulator.running[step] = all.0;
     }
 
     /// What sample `i` of the rest time costs.
@@ -221,8 +225,8 @@ impl<const N: usize> Meter<'_, '_, N> {
         let (position, velocity) = (error * error, sample.velocity * sample.velocity);
         let share = if i == 0 || i == prices.rest_steps { 0.5 } else { 1.0 };
         let cost = Lanes::of(share * prices.rest) * position + Lanes::of(share * prices.rest_velocity) * velocity;
-        self.bill.terminal += cost;
-        self.bill.terms[Term::Rest as usize] += cost;
+        self.accumulator.terminal += cost;
+        self.accumulator.terms[Term::Rest as usize] += cost;
     }
 
     /// The via points passed between the sample before and `position`.
@@ -234,8 +238,8 @@ impl<const N: usize> Meter<'_, '_, N> {
             let passed = self.before.position + Lanes::of(via.share) * (position - self.before.position);
             let error = passed - Lanes::of(via.position);
             let cost = Lanes::of(self.prices.half_via_weight) * error * error;
-            self.bill.running[via.step] = (Lanes(self.bill.running[via.step]) + cost).0;
-            self.bill.terms[Term::ViaPoint as usize] += cost;
+            self.accumulator.running[via.step] = (Lanes(self.accumulator.running[via.step]) + cost).0;
+            self.accumulator.terms[Term::ViaPoint as usize] += cost;
             self.via = rest;
         }
     }
@@ -265,11 +269,11 @@ impl<const N: usize> Sink<N> for Meter<'_, '_, N> {
             let goal = Lanes::of(self.prices.half_goal_weight) * error * error;
             let end_velocity = Lanes::of(self.prices.half_end_velocity_weight) * sample.velocity * sample.velocity;
             for (term, sum) in RUNNING.into_iter().zip(self.sums) {
-                self.bill.terms[term as usize] += sum;
+                self.accumulator.terms[term as usize] += sum;
             }
-            self.bill.terminal += goal + end_velocity;
-            self.bill.terms[Term::Goal as usize] += goal;
-            self.bill.terms[Term::EndVelocity as usize] += end_velocity;
+            self.accumulator.terminal += goal + end_velocity;
+            self.accumulator.terms[Term::Goal as usize] += goal;
+            self.accumulator.terms[Term::EndVelocity as usize] += end_velocity;
         }
         self.before = Before { position: sample.position, velocity: sample.velocity, squares };
     }

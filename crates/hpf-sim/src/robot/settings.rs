@@ -11,7 +11,7 @@ use hpf_core::passivity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::task::{self, Axis, Diagnostic, PerAxis};
+use crate::task::{self, Axis, Mistakes, PerAxis};
 
 /// A number of the controller that nothing reaches: what is not limited.
 const WIDE: f64 = 1e6;
@@ -275,7 +275,7 @@ impl Settings {
     /// # Errors
     /// Every mistake of keys, types, ranges and lengths with its place, in the order of the text; a workspace without a
     /// width, or one that leaves out where an axis starts or ends; a press above the largest force.
-    pub fn parse(text: &str, axes: &[Axis]) -> Result<Self, Vec<Diagnostic>> {
+    pub fn parse(text: &str, axes: &[Axis]) -> Result<Self, Mistakes> {
         task::read(text, &Self::schema(), "the settings", |settings: &Self, say| settings.check(axes, say))
     }
 

@@ -5,9 +5,9 @@ use hpf_learn::{Cost, Draws, Parameters};
 use pulp::NullaryFnOnce;
 
 use super::Simulation;
-use super::circumstances::Circumstances;
 use super::profiles::{Constant, Rowwise};
-use crate::cost::Bill;
+use super::scenario::Scenario;
+use crate::cost::CostAccumulator;
 use crate::trace::Trace;
 
 /// Rollouts that step together: one register of AVX-512, two of AVX2, four of SSE2 or NEON.
@@ -19,7 +19,7 @@ pub struct Workspace {
     /// The motion whose signals were measured last.
     pub trace: Option<Trace>,
     /// What its rollouts meet, and by which draws.
-    pub(super) met: Option<(Draws, Vec<Circumstances>)>,
+    pub(super) scenarios: Option<(Draws, Vec<Scenario>)>,
     /// Costs of one draw, and signals of one draw after the other.
     pub(super) costs: Vec<Cost>,
     pub(super) signals: Vec<Vec<f64>>,
@@ -33,7 +33,7 @@ impl Simulation {
     /// Makes a rollout of each of `parameters` and writes what it cost: the same bits together as alone.
     pub(crate) fn roll_costs(
         &self,
-        met: &Circumstances,
+        scenario: &Scenario,
         parameters: &[Parameters<'_>],
         workspace: &mut Workspace,
         costs: &mut [Cost],
@@ -41,7 +41,7 @@ impl Simulation {
         if !self.cost.is_by_axis() {
             let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
             for (&parameters, cost) in parameters.iter().zip(costs) {
-                self.rollout_met(met, parameters, trace);
+                self.rollout_in(scenario, parameters, trace);
                 self.cost_into(trace, cost);
             }
             return;
@@ -49,9 +49,12 @@ impl Simulation {
         for (parameters, costs) in parameters.chunks(LANES).zip(costs.chunks_mut(LANES)) {
             let is_constant = |parameters: &Parameters<'_>| matches!(parameters, Parameters::Constant(_));
             if parameters.iter().all(is_constant) {
-                self.roll_together(met, parameters, workspace, costs);
+                self.roll_together(scenario, parameters, workspace, costs);
             } else {
-                parameters.iter().zip(costs).for_each(|(&parameters, cost)| self.roll_alone(met, parameters, cost));
+                parameters
+                    .iter()
+                    .zip(costs)
+                    .for_each(|(&parameters, cost)| self.roll_alone(scenario, parameters, cost));
             }
         }
     }
@@ -59,7 +62,7 @@ impl Simulation {
     /// At most [`LANES`] rollouts, the parameters of each constant.
     fn roll_together(
         &self,
-        met: &Circumstances,
+        scenario: &Scenario,
         parameters: &[Parameters<'_>],
         workspace: &mut Workspace,
         costs: &mut [Cost],
@@ -73,23 +76,30 @@ impl Simulation {
         }
         running.clear();
         running.resize(self.step_count(), [0.0; LANES]);
-        let mut bill = Bill::new(running);
-        self.instructions.dispatch(Together { simulation: self, met, weights, bill: &mut bill });
+        let mut accumulator = CostAccumulator::new(running);
+        self.instructions.dispatch(LaneBatch { simulation: self, scenario, weights, accumulator: &mut accumulator });
         for (lane, cost) in costs.iter_mut().enumerate() {
-            bill.write(lane, cost);
+            accumulator.write(lane, cost);
         }
     }
 
     /// One rollout whose parameters may change with every step.
-    fn roll_alone(&self, met: &Circumstances, parameters: Parameters<'_>, cost: &mut Cost) {
+    fn roll_alone(&self, scenario: &Scenario, parameters: Parameters<'_>, cost: &mut Cost) {
         cost.running.clear();
         cost.running.resize(self.step_count(), 0.0);
-        let mut bill = Bill::new(cost.running.as_chunks_mut::<1>().0);
+        let mut accumulator = CostAccumulator::new(cost.running.as_chunks_mut::<1>().0);
         for (a, axis) in self.axes.iter().enumerate() {
             let profiles = self.rowwise(axis, parameters);
-            self.roll_axis(a, self.priced_steps, &axis.alone, &profiles, &met.axes[a], self.cost.meter(a, &mut bill));
+            self.roll_axis(
+                a,
+                self.priced_steps,
+                &axis.alone,
+                &profiles,
+                &scenario.axes[a],
+                self.cost.meter(a, &mut accumulator),
+            );
         }
-        let (terms, terminal) = bill.sums(0);
+        let (terms, terminal) = accumulator.sums(0);
         cost.terminal = terminal;
         cost.terms.clear();
         cost.terms.extend(terms);
@@ -101,19 +111,19 @@ impl Simulation {
 }
 
 /// All axes of [`LANES`] rollouts, for compilation in every set of instructions.
-struct Together<'a, 'b> {
+struct LaneBatch<'a, 'b> {
     simulation: &'a Simulation,
-    met: &'a Circumstances,
+    scenario: &'a Scenario,
     weights: &'a [Lanes<LANES>],
-    bill: &'a mut Bill<'b, LANES>,
+    accumulator: &'a mut CostAccumulator<'b, LANES>,
 }
 
-impl NullaryFnOnce for Together<'_, '_> {
+impl NullaryFnOnce for LaneBatch<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { simulation, met, weights, bill } = self;
+        let Self { simulation, scenario, weights, accumulator } = self;
         for (a, axis) in simulation.axes.iter().enumerate() {
             let [start, movement_end, stiffness_end, damping_end, end] = axis.parameters;
             let profiles = Constant {
@@ -123,8 +133,8 @@ impl NullaryFnOnce for Together<'_, '_> {
                 damping: &weights[stiffness_end..damping_end],
                 goal: &weights[damping_end..end],
             };
-            let (steps, meter) = (simulation.priced_steps, simulation.cost.meter(a, bill));
-            simulation.roll_axis(a, steps, &axis.together, &profiles, &met.axes[a], meter);
+            let (steps, meter) = (simulation.priced_steps, simulation.cost.meter(a, accumulator));
+            simulation.roll_axis(a, steps, &axis.lanes, &profiles, &scenario.axes[a], meter);
         }
     }
 }

@@ -10,9 +10,9 @@ use hpf_core::controller::{Controller, Input, Output, Request};
 use hpf_core::{ConfigError, Lanes, Real as _};
 use hpf_learn::Cost;
 
-use super::circumstances::{Circumstances, Set};
 use super::draws::add_mean;
 use super::plant::{Plant, Robot};
+use super::scenario::{Scenario, Set};
 use super::{Simulation, SimulationError};
 use crate::metrics::{Metric, over_draws};
 use crate::policy::Policy;
@@ -44,8 +44,8 @@ impl Simulation {
         let count = self.task.evaluation_draws();
         let (mut trace, mut mean, mut one) = (self.blank_trace(), Cost::default(), Cost::default());
         let (mut metrics, mut tally) = (Vec::with_capacity(count), Tally::default());
-        for (i, met) in Circumstances::of_set(&self.task, Set::Evaluation, count).enumerate() {
-            tally.add(&self.control(policy, settings, &met, &mut trace)?.tally());
+        for (i, scenario) in Scenario::of_set(&self.task, Set::Evaluation, count).enumerate() {
+            tally.add(&self.control(policy, settings, &scenario, &mut trace)?.tally());
             self.cost_into(&trace, &mut one);
             add_mean(&mut mean, &one, i == 0, count);
             metrics.push(self.metrics(&trace));
@@ -65,17 +65,17 @@ impl Simulation {
         &self,
         policy: &Policy,
         settings: &Settings,
-        met: &Circumstances,
+        scenario: &Scenario,
         trace: &mut Trace,
     ) -> Result<Conduct, SimulationError> {
         let made = match self.axes.len() {
-            1 => self.control_axes::<1>(policy, settings, met, trace),
-            2 => self.control_axes::<2>(policy, settings, met, trace),
-            3 => self.control_axes::<3>(policy, settings, met, trace),
-            4 => self.control_axes::<4>(policy, settings, met, trace),
-            5 => self.control_axes::<5>(policy, settings, met, trace),
-            6 => self.control_axes::<6>(policy, settings, met, trace),
-            _ => self.control_axes::<7>(policy, settings, met, trace),
+            1 => self.control_axes::<1>(policy, settings, scenario, trace),
+            2 => self.control_axes::<2>(policy, settings, scenario, trace),
+            3 => self.control_axes::<3>(policy, settings, scenario, trace),
+            4 => self.control_axes::<4>(policy, settings, scenario, trace),
+            5 => self.control_axes::<5>(policy, settings, scenario, trace),
+            6 => self.control_axes::<6>(policy, settings, scenario, trace),
+            _ => self.control_axes::<7>(policy, settings, scenario, trace),
         };
         made.map_err(SimulationError::Controller)
     }
@@ -84,7 +84,7 @@ impl Simulation {
         &self,
         policy: &Policy,
         settings: &Settings,
-        met: &Circumstances,
+        scenario: &Scenario,
         trace: &mut Trace,
     ) -> Result<Conduct, ConfigError> {
         let skill = policy.to_hybrid::<D>()?;
@@ -92,7 +92,7 @@ impl Simulation {
         let robot = Robot::of(&self.task, self.dt);
         let mut plants: [Plant<'_, 1>; D] = core::array::from_fn(|a| {
             let contact = self.contact.as_ref().filter(|contact| contact.axis == a);
-            Plant::new(self.dt, robot, &met.axes[a], contact, starts[a])
+            Plant::new(self.dt, robot, &scenario.axes[a], contact, starts[a])
         });
         let push = plants.each_ref().map(Plant::push);
         let position = |plants: &[Plant<'_, 1>; D]| plants.each_ref().map(|plant| plant.position().to_f64());

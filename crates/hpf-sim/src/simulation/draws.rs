@@ -6,7 +6,7 @@ use core::{mem, slice};
 
 use hpf_learn::{Cost, Distance, Draws, Parameters, SignalGroup, SignalModel};
 
-use super::circumstances::{Circumstances, Set};
+use super::scenario::{Scenario, Set};
 use super::{Simulation, Workspace};
 use crate::metrics::{Metric, over_draws};
 
@@ -51,15 +51,15 @@ pub(super) fn add_mean(mean: &mut Cost, cost: &Cost, first: bool, count: usize) 
 
 impl Simulation {
     /// What the motions of `draws` meet, kept in `kept` while the draws stay the same.
-    fn met<'w>(&'w self, draws: Draws, kept: &'w mut Option<(Draws, Vec<Circumstances>)>) -> &'w [Circumstances] {
+    fn scenarios<'w>(&'w self, draws: Draws, kept: &'w mut Option<(Draws, Vec<Scenario>)>) -> &'w [Scenario] {
         if !self.is_random {
             return slice::from_ref(&self.shown);
         }
         if kept.as_ref().is_none_or(|(of, _)| *of != draws) {
-            let met = Circumstances::of_set(&self.task, Set::Learning(draws), self.task.draws()).collect();
-            *kept = Some((draws, met));
+            let scenarios = Scenario::of_set(&self.task, Set::Learning(draws), self.task.draws()).collect();
+            *kept = Some((draws, scenarios));
         }
-        kept.as_ref().map_or(&[], |(_, met)| met)
+        kept.as_ref().map_or(&[], |(_, scenarios)| scenarios)
     }
 
     /// Makes a rollout of each of `parameters` in every draw and writes what it cost.
@@ -70,18 +70,18 @@ impl Simulation {
         workspace: &mut Workspace,
         costs: &mut [Cost],
     ) {
-        let (mut kept, mut own) = (workspace.met.take(), mem::take(&mut workspace.costs));
-        match self.met(draws, &mut kept) {
+        let (mut kept, mut own) = (workspace.scenarios.take(), mem::take(&mut workspace.costs));
+        match self.scenarios(draws, &mut kept) {
             [only] => self.roll_costs(only, parameters, workspace, costs),
             several => {
                 own.resize_with(costs.len(), Cost::default);
-                for (i, met) in several.iter().enumerate() {
-                    self.roll_costs(met, parameters, workspace, &mut own);
+                for (i, scenario) in several.iter().enumerate() {
+                    self.roll_costs(scenario, parameters, workspace, &mut own);
                     costs.iter_mut().zip(&own).for_each(|(mean, cost)| add_mean(mean, cost, i == 0, several.len()));
                 }
             }
         }
-        (workspace.met, workspace.costs) = (kept, own);
+        (workspace.scenarios, workspace.costs) = (kept, own);
     }
 
     /// Makes a rollout in every draw and writes what it cost and the signals it measured.
@@ -93,14 +93,14 @@ impl Simulation {
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        let Workspace { trace, met, signals: own, .. } = workspace;
+        let Workspace { trace, scenarios, signals: own, .. } = workspace;
         let trace = trace.get_or_insert_with(|| self.blank_trace());
-        let met = self.met(draws, met);
-        let count = met.len();
+        let scenarios = self.scenarios(draws, scenarios);
+        let count = scenarios.len();
         own.resize_with(count, Vec::new);
         let mut one = Cost::default();
-        for (i, (met, own)) in met.iter().zip(own.iter_mut()).enumerate() {
-            self.rollout_met(met, parameters, trace);
+        for (i, (scenario, own)) in scenarios.iter().zip(own.iter_mut()).enumerate() {
+            self.rollout_in(scenario, parameters, trace);
             self.cost_into(trace, &mut one);
             match count {
                 1 => mem::swap(cost, &mut one),
@@ -122,8 +122,8 @@ impl Simulation {
         let count = self.task.evaluation_draws();
         let (mut trace, mut mean, mut one) = (self.blank_trace(), Cost::default(), Cost::default());
         let mut metrics = Vec::with_capacity(count);
-        for (i, met) in Circumstances::of_set(&self.task, Set::Evaluation, count).enumerate() {
-            self.rollout_met(&met, Parameters::Constant(weights), &mut trace);
+        for (i, scenario) in Scenario::of_set(&self.task, Set::Evaluation, count).enumerate() {
+            self.rollout_in(&scenario, Parameters::Constant(weights), &mut trace);
             self.cost_into(&trace, &mut one);
             add_mean(&mut mean, &one, i == 0, count);
             metrics.push(self.metrics(&trace));

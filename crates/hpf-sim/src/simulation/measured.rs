@@ -6,9 +6,9 @@
 use hpf_core::admittance::{Inertial, OffsetMotion, step_offset};
 use hpf_core::{Lanes, Real};
 
-use super::circumstances::Met;
 use super::motion::{Knot, Sample, Tool};
 use super::plant::{Plant, Robot};
+use super::scenario::AxisScenario;
 use super::tool::ContactModel;
 
 /// A tool that sees forces through a sensor.
@@ -26,12 +26,12 @@ impl<'a, const N: usize> Measured<'a, N> {
     pub(super) fn new(
         dt: f64,
         robot: Robot,
-        met: &'a Met,
+        scenario: &'a AxisScenario,
         contact: Option<&'a ContactModel>,
         law: Option<Inertial<Lanes<N>>>,
         start: Lanes<N>,
     ) -> Self {
-        let plant = Plant::new(dt, robot, met, contact, start);
+        let plant = Plant::new(dt, robot, scenario, contact, start);
         let motion = OffsetMotion { offset: plant.position() - start, velocity: Lanes::ZERO };
         Self { dt, lag: robot.lag, plant, law, motion }
     }

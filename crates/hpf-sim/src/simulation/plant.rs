@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use hpf_core::admittance::relax;
 use hpf_core::{Lanes, Real};
 
-use super::circumstances::Met;
+use super::scenario::AxisScenario;
 use super::tool::ContactModel;
 use crate::task::Task;
 
@@ -37,7 +37,7 @@ impl Robot {
 pub(super) struct Plant<'a, const N: usize> {
     dt: f64,
     robot: Robot,
-    met: &'a Met,
+    scenario: &'a AxisScenario,
     contact: Option<&'a ContactModel>,
     position: Lanes<N>,
     /// Force of the environment at the last samples, newest first [N].
@@ -49,10 +49,16 @@ pub(super) struct Plant<'a, const N: usize> {
 
 impl<'a, const N: usize> Plant<'a, N> {
     /// A tool at rest at `start`, or where the contact has it.
-    pub(super) fn new(dt: f64, robot: Robot, met: &'a Met, contact: Option<&'a ContactModel>, start: Lanes<N>) -> Self {
+    pub(super) fn new(
+        dt: f64,
+        robot: Robot,
+        scenario: &'a AxisScenario,
+        contact: Option<&'a ContactModel>,
+        start: Lanes<N>,
+    ) -> Self {
         let position = contact.map_or(start, |contact| Lanes::of(contact.initial_position));
         let (history, reading) = (VecDeque::new(), Lanes::ZERO);
-        let mut plant = Self { dt, robot, met, contact, position, history, reading, lost: 0 };
+        let mut plant = Self { dt, robot, scenario, contact, position, history, reading, lost: 0 };
         plant.read(0);
         plant
     }
@@ -103,14 +109,14 @@ impl<'a, const N: usize> Plant<'a, N> {
             let surface = &contact.surfaces[2 * i];
             self.position.map(|position| -surface.direction * surface.contact_force(position))
         });
-        self.history.push_front(Lanes::of(self.met.forces[i].0) + answer);
+        self.history.push_front(Lanes::of(self.scenario.forces[i].0) + answer);
         let whole = self.robot.age.floor();
         self.history.truncate(whole as usize + 2);
         // What was before the start is as it was at the start.
         let [newer, older] = [0, 1].map(|more| self.history[(whole as usize + more).min(self.history.len() - 1)]);
         let delayed = newer + Lanes::of(self.robot.age - whole) * (older - newer);
         let (error, is_lost) =
-            self.met.readings.get(i).map_or((0.0, false), |reading| (reading.error, reading.is_lost));
+            self.scenario.readings.get(i).map_or((0.0, false), |reading| (reading.error, reading.is_lost));
         if is_lost {
             self.lost = self.lost.saturating_add(1);
             return;

@@ -12,6 +12,9 @@ use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
 use super::Diagnostic;
 
+/// Keys that earlier versions had, and why they are gone.
+const TAKEN_OUT: [(&str, &str); 1] = [("learning.elites", "it gained on one task and lost on another")];
+
 /// A bracket left open is missed at every word after it: more errors of syntax than this say nothing new.
 const MOST_SYNTAX_ERRORS: usize = 3;
 
@@ -240,7 +243,13 @@ impl<'s> Walk<'s> {
                 Some(schema) => self.value(schema, value, name.get_ref()),
                 None => {
                     let help = format!("{key} takes: {}", known.join(", "));
-                    self.say(name.span(), unknown("key", name.get_ref(), &known), help);
+                    let own = format!("{key}.{}", name.get_ref());
+                    match TAKEN_OUT.iter().find(|(key, _)| *key == own) {
+                        Some((key, why)) => {
+                            self.say(name.span(), format!("`{key}` was taken out: {why}"), "leave it out".into())
+                        }
+                        None => self.say(name.span(), unknown("key", name.get_ref(), &known), help),
+                    }
                     misspelt.extend(nearest(name.get_ref(), &known));
                 }
             }

@@ -53,9 +53,6 @@ pub struct Learning {
     pub covariance: Option<CovarianceKind>,
     /// Whether an update moves the weights along the basis vectors only; the preset decides where this is left out.
     pub projection: Option<bool>,
-    /// Cheapest rollouts so far that take part in the next update of PI2 again; not where costs are random.
-    #[schemars(range(max = 100_000))]
-    pub elites: usize,
     /// The path that learning starts from.
     pub initial_path: InitialPath,
     /// Seed of all random numbers.
@@ -82,7 +79,6 @@ impl Default for Learning {
             credit: None,
             covariance: None,
             projection: None,
-            elites: 0,
             initial_path: InitialPath::Pull,
             seed: 1,
         }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use serde::de::DeserializeOwned;
 
 use super::keys::{self, Document};
-use super::{Diagnostic, repair};
+use super::{Diagnostic, Mistakes, repair};
 
 /// What contradicts itself in a value that was read from a document: appended to what was found.
 pub(super) type Rules<'r, V> = &'r dyn Fn(&V, &Document<'_>, &mut Vec<Diagnostic>);
@@ -44,8 +44,9 @@ pub(crate) fn read<V: DeserializeOwned>(
     schema: &serde_json::Value,
     whole: &str,
     rules: impl Fn(&V, &mut dyn FnMut(&str, String, String)),
-) -> Result<V, Vec<Diagnostic>> {
-    read_checked(text, schema, whole, &|value, document, found| {
+) -> Result<V, Mistakes> {
+    let read = read_checked(text, schema, whole, &|value, document, found| {
         rules(value, &mut |path, message, help| found.push(Diagnostic { span: document.span(path), message, help }));
-    })
+    });
+    read.map_err(|found| Mistakes::new(text, found))
 }

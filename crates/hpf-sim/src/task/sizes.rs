@@ -9,7 +9,6 @@
 //! samples                    K P, or K S P where they change from step to step
 //! parameters against signals P G    of Gauss-Newton: rollouts kept, the response
 //! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
-//! elites                     E (S + P), or E S (1 + P), with a copy told and one kept
 //! draws                      4 A R  for every draw: forces, readings
 //! evaluations                8 S    for each thread: costs of those made at a time
 //! ```
@@ -106,13 +105,6 @@ impl Task {
             } else {
                 table("learning.rollouts", "samples of every rollout and parameter", rollouts * parameters, 1.0)
             });
-            let elite = steps + if changes { steps * parameters } else { parameters };
-            tables.push(table(
-                "learning.elites",
-                "rollouts kept for updates to come",
-                learning.elites as f64 * elite,
-                3.0,
-            ));
         } else if learning.method == Method::CmaEs {
             tables.push(table(
                 "learning.rollouts",

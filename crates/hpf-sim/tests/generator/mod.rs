@@ -278,10 +278,6 @@ fn learning(text: &mut Text, dice: &mut Dice, axes: usize) {
     // Half of them PI2, whose keys below need it named.
     let method = if dice.chance(0.5) { dice.name(&["gauss-newton", "auto", "cma-es"]) } else { dice.name(&["pi2"]) };
     text.key("method", method);
-    // Elites are for costs that are not random.
-    if !["{ uniform", "{ choice", "[sensor]"].iter().any(|random| text.0.contains(random)) {
-        text.maybe(dice, "elites", |dice| dice.whole(0, 10).to_string());
-    }
     text.maybe(dice, "preset", |dice| dice.name(&["pi2", "paper", "pi-bb"]));
     text.maybe(dice, "exploration", |dice| dice.name(&["rollout", "basis", "step"]));
     text.maybe(dice, "anneal", |dice| dice.name(&["none", "linear", "geometric"]));

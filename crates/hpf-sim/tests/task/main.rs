@@ -72,7 +72,7 @@ fn values_per_axis_and_named_kinds_are_read() {
 
 #[track_caller]
 fn mistakes(text: &str) -> Vec<Diagnostic> {
-    Task::parse(text).unwrap_err()
+    Task::parse(text).unwrap_err().into_iter().collect()
 }
 
 /// The first `from` in `text` becomes `to`; the one diagnostic points at `place` within `to`, with that message and

@@ -1,15 +1,17 @@
 //! What an imitation leaves beside a run: where it came from, and how near it came.
 
 use core::fmt::Write as _;
+use hpf::words;
 
 use hpf_sim::demonstration::{DampingFrom, Imitated, StiffnessFrom};
 use hpf_sim::task::Unit;
 use serde_json::{Map, Value, json};
 
 use super::Source;
-use crate::render::{self, number};
-use crate::results::Run;
-use crate::summary::Summary;
+use crate::render;
+use hpf::results::Run;
+use hpf::summary::Summary;
+use hpf::words::number;
 
 /// What a policy was made of, for people and for programs.
 pub struct Account {
@@ -102,8 +104,8 @@ impl Account {
                 text,
                 "{:<8} {:>14} {:>14}   {:<14} {}",
                 axis.name,
-                render::measure(axis.error, unit),
-                if count == 1 { "-".into() } else { render::measure(axis.spread, unit) },
+                words::measure(axis.error, unit),
+                if count == 1 { "-".into() } else { words::measure(axis.spread, unit) },
                 axis.stiffness,
                 axis.damping
             );

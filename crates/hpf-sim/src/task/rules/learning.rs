@@ -8,8 +8,8 @@ use crate::task::learning::PRIMITIVES;
 use crate::task::{PerAxis, ViaPoint};
 
 /// Keys of `[learning]` that PI2 alone takes.
-const OF_PI2: [&str; 9] =
-    ["preset", "temperature", "credit", "exploration", "covariance", "projection", "elites", "anneal", "final_noise"];
+const OF_PI2: [&str; 8] =
+    ["preset", "temperature", "credit", "exploration", "covariance", "projection", "anneal", "final_noise"];
 
 impl Rules<'_, '_, '_> {
     /// The parts of an axis that are learned.
@@ -139,10 +139,6 @@ impl Rules<'_, '_, '_> {
         {
             let help = "say method = \"pi2\" too; with no method named it is \"auto\", which has nothing to set";
             self.say(&format!("learning.{key}"), format!("`{key}` is a setting of pi2, and no method is named"), help);
-        }
-        if learning.elites > 0 && self.task.is_random() {
-            let help = "leave `elites` at 0 where something is drawn";
-            self.say("learning.elites", "elites keep what they cost under other draws", help);
         }
         let least = learning.rollouts.saturating_add(2).saturating_mul(self.task.draws());
         if learning.max_rollouts.is_some_and(|max| max < least) {

@@ -1,0 +1,279 @@
+//! Learning a task into a folder, from its beginning or from where it was broken off.
+
+use core::fmt::Display;
+use core::time::Duration;
+use std::fs;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use hpf_learn::{History, LearnError, LearningLoop, Problem, Progress, Record, Session, TerminationReason};
+use hpf_sim::task::{Environment, Task};
+use hpf_sim::{Metric, Policy, Simulation, Trace};
+
+use crate::checkpoint::{Checkpoint, Input};
+use crate::directory::{CHECKPOINT, Unfinished};
+use crate::failure::Failure;
+use crate::files::{LoadedTask, read_text, sha256, while_writing};
+use crate::log::{Head, Log};
+use crate::process::Process;
+use crate::results::{LearningRow, Run, own_tables};
+use crate::start::{self, START};
+use crate::watch::Watch;
+
+/// The log while learning goes on.
+const LOG: &str = "log.mcap.partial";
+
+/// The result of learning.
+pub struct Learned {
+    /// All that is kept of it.
+    pub run: Run,
+    /// How it went.
+    pub history: History,
+    /// Measures of its motion.
+    pub metrics: Vec<Metric>,
+    /// Wall time, of the last stretch where learning was broken off between.
+    pub time: Duration,
+    /// Why learning broke off, if it did.
+    pub failure: Option<String>,
+    /// Why the log that is written while learning broke off, if it did.
+    pub log_failure: Option<String>,
+    /// Whether its motion is only as planned, because hpf has not seen the one that was made.
+    is_planned: bool,
+    /// Whether what failed may be mended, so that learning can go on.
+    is_mendable: bool,
+}
+
+/// The evaluations so far, and what is kept of them.
+struct Kept<'l> {
+    task: &'l Task,
+    simulation: &'l Simulation,
+    rows: Vec<LearningRow>,
+    snapshots: Vec<(usize, Trace)>,
+}
+
+impl Kept<'_> {
+    fn take(&mut self, progress: &Progress) -> &LearningRow {
+        if self.task.snapshots().contains(&progress.update) {
+            self.snapshots.push((progress.update, self.simulation.rollout(&progress.weights)));
+        }
+        self.rows.push(LearningRow::from(progress));
+        self.rows.last().expect("one was added")
+    }
+}
+
+/// Learns the task of `loaded` in `folder`, from its checkpoint where there is one; or in memory, where there is no folder.
+/// What the learning hands out is in the checkpoint, and in the log where it is an update, before the learning goes on.
+///
+/// # Errors
+/// [`Failure`] where the task cannot be learned, or the folder not be written.
+pub fn learn(loaded: &LoadedTask, mut folder: Option<&mut Unfinished>, watch: &dyn Watch) -> Result<Learned, Failure> {
+    let task = &loaded.task;
+    let named = folder.as_ref().map(|folder| folder.path(START)).filter(|named| named.is_file());
+    let start = start::policy(task, named.as_deref())?;
+    let simulation = Simulation::new(&task.as_planned(), &start).map_err(|error| bad_task(task, &error))?;
+    let weights = simulation.starting_weights(&start).map_err(|error| bad_task(task, &error))?;
+    let start = start.with_weights(&weights).map_err(|error| bad_task(task, &error))?;
+    let mut learned = match &task.environment {
+        None => learn_in(&simulation, &simulation, (loaded, &start), folder, watch, &|| None)?,
+        Some(Environment::Process(settings)) => {
+            let process = Process::start(settings, task, &start, &simulation, watch)?;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(process.workers()).build();
+            let pool = pool.map_err(|error| Failure::Work(format!("cannot start threads: {error}")))?;
+            let failure = || process.failure();
+            let mut learned =
+                pool.install(|| learn_in(&process, &simulation, (loaded, &start), folder.take(), watch, &failure))?;
+            learned.is_planned = true;
+            if process.leaves_traces() && !learned.is_open() && learned.failure.is_none() {
+                learned.history.rollouts += 1;
+                match process.motion(&learned.history.best.weights)? {
+                    Ok(trace) => (learned.run.trajectory, learned.is_planned) = (trace, false),
+                    Err(why) => learned.failure = Some(format!("the motion that was learned failed: {why}")),
+                }
+            }
+            // An update whose motions all fail is no end of learning where a robot made them.
+            learned.is_mendable = true;
+            learned
+        }
+    };
+    learned.metrics = match &task.environment {
+        None => simulation.evaluate(&learned.history.best.weights).1,
+        Some(_) => simulation.metrics(&learned.run.trajectory),
+    };
+    if learned.is_planned {
+        // Of a motion that was only planned, the gains are all that can be measured.
+        let is_gain = |metric: &Metric| ["stiffness", "damping"].iter().any(|name| metric.name.starts_with(name));
+        learned.metrics.retain(is_gain);
+    }
+    Ok(learned)
+}
+
+fn bad_task(task: &Task, error: &dyn Display) -> Failure {
+    Failure::Input(format!("{}: {error}", task.name))
+}
+
+/// Learns `problem`, whose motions as planned are those of `simulation`, until it is over, interrupted, or `failure` says
+/// that no more motions can be made.
+fn learn_in<P: Problem>(
+    problem: &P,
+    simulation: &Simulation,
+    (loaded, start): (&LoadedTask, &Policy),
+    mut folder: Option<&mut Unfinished>,
+    watch: &dyn Watch,
+    failure: &(dyn Fn() -> Option<String> + Sync),
+) -> Result<Learned, Failure> {
+    let task = &loaded.task;
+    let session =
+        Session::begin(problem, simulation.parameters(start), &task.learning.method(), task.learning.max_rollouts);
+    let mut session = session.map_err(|error| bad_task(task, &error))?;
+    let mut kept = Kept { task, simulation, rows: Vec::new(), snapshots: Vec::new() };
+    let first_policy = start.to_json();
+    let head = Head::new(task, &loaded.text, &first_policy);
+    let mut record = match &mut folder {
+        Some(folder) => Some(OnTheWay::open(loaded, &head, folder, &mut session, &mut kept, watch)?),
+        None => None,
+    };
+    watch.begun(task);
+    let started = Instant::now();
+    let mut learning = LearningLoop::new(problem, session);
+    let mut broken = None;
+    while !(watch.is_asked() && learning.session().is_evaluated()) {
+        let told = match learning.step() {
+            Ok(Some(told)) => told,
+            Ok(None) => break,
+            Err(LearnError::Stopped) => match failure() {
+                Some(why) => return Err(Failure::Work(why)),
+                None if learning.session().history().best.total.is_finite() => break,
+                None => return Err(Failure::Interrupted("no motion has a cost yet".into())),
+            },
+            Err(LearnError::Update { reason, history }) => {
+                broken = Some((reason.to_string(), *history));
+                break;
+            }
+            Err(refused) => {
+                if let Some(folder) = folder.filter(|_| !learning.session().history().best.total.is_finite()) {
+                    folder.forget();
+                }
+                return Err(bad_task(task, &refused));
+            }
+        };
+        let row = told.progress.as_ref().map(|progress| kept.take(progress));
+        row.inspect(|row| watch.evaluated(row));
+        if let (Some(record), Some(folder)) = (&mut record, &mut folder) {
+            record.append(&told.record, row, watch)?;
+            folder.keep_for_resume();
+        }
+    }
+    let time = started.elapsed();
+    let log_failure = record.and_then(|record| record.log_failure);
+
+    let (failure, history) = match broken {
+        Some((reason, history)) => (Some(reason), history),
+        None => (None, learning.session().history()),
+    };
+    let Kept { rows, snapshots, .. } = kept;
+    let run = Run::learned(loaded, start.clone(), simulation, &history.best, rows, snapshots);
+    Ok(Learned { run, history, metrics: Vec::new(), time, failure, log_failure, is_planned: false, is_mendable: false })
+}
+
+/// What is kept of learning on the way, in its folder.
+struct OnTheWay {
+    checkpoint: Checkpoint,
+    /// The log only shows what is learned: where it cannot be written, learning goes on without.
+    log: Option<Log>,
+    log_failure: Option<String>,
+    log_path: PathBuf,
+}
+
+impl OnTheWay {
+    /// Brings `session` and `kept` to where the folder's checkpoint is, and begins the log anew.
+    fn open(
+        loaded: &LoadedTask,
+        head: &Head<'_>,
+        folder: &mut Unfinished,
+        session: &mut Session,
+        kept: &mut Kept<'_>,
+        watch: &dyn Watch,
+    ) -> Result<Self, Failure> {
+        let checkpoint = restore(loaded, folder, session, kept, watch)?;
+        let (log, log_failure) = match log_so_far(head, &kept.rows, folder) {
+            Ok(log) => (Some(log), None),
+            Err(failure) => (None, Some(failure.to_string())),
+        };
+        Ok(Self { checkpoint, log, log_failure, log_path: folder.path(LOG) })
+    }
+
+    /// Adds what was made, and the row where it was evaluated.
+    fn append(&mut self, record: &Record, row: Option<&LearningRow>, watch: &dyn Watch) -> Result<(), Failure> {
+        if let (Some(log), Some(row)) = (&mut self.log, row)
+            && let Err(error) = log.update(row)
+        {
+            let failure = while_writing(&self.log_path)(error).to_string();
+            watch.note(&format!("{failure}; learning goes on without it"));
+            (self.log, self.log_failure) = (None, Some(failure));
+        }
+        self.checkpoint.append(record)
+    }
+}
+
+/// Brings `session` to where the checkpoint of the folder is; begins one where there is none.
+fn restore(
+    loaded: &LoadedTask,
+    folder: &mut Unfinished,
+    session: &mut Session,
+    kept: &mut Kept<'_>,
+    watch: &dyn Watch,
+) -> Result<Checkpoint, Failure> {
+    let path = folder.path(CHECKPOINT);
+    let inputs = inputs(loaded, folder)?;
+    if !path.is_file() {
+        let checkpoint = Checkpoint::create(&path, &inputs)?;
+        folder.ready()?;
+        return Ok(checkpoint);
+    }
+    let (checkpoint, damaged) = Checkpoint::open(&path, &inputs, |record| {
+        let progress = session.replay(&record);
+        let progress = progress.map_err(|error| Failure::Input(format!("{}: {error}", path.display())))?;
+        if let Some(progress) = &progress {
+            kept.take(progress);
+        }
+        Ok(())
+    })?;
+    if damaged > 0 {
+        let update = session.history().updates;
+        let what = "the motions after that are made again";
+        watch
+            .note(&format!("{}: the last {damaged} bytes, after update {update}, are damaged; {what}", path.display()));
+    }
+    Ok(checkpoint)
+}
+
+/// The log of learning with the updates so far: under its own name only once they are all in it.
+fn log_so_far(head: &Head<'_>, rows: &[LearningRow], folder: &Unfinished) -> Result<Log, Failure> {
+    let (own, begun) = (folder.path(LOG), folder.path("log.mcap.partial.begun"));
+    let write = || {
+        let mut log = Log::create(&begun, head)?;
+        rows.iter().try_for_each(|row| log.update(row))?;
+        fs::rename(&begun, &own)?;
+        Ok(log)
+    };
+    write().map_err(while_writing::<std::io::Error>(&own))
+}
+
+/// What decides how learning goes on, besides the checkpoint: the task, its tables and the policy it starts from.
+fn inputs(loaded: &LoadedTask, folder: &Unfinished) -> Result<Vec<Input>, Failure> {
+    let mut inputs = vec![("task.toml".to_owned(), loaded.sha256())];
+    let tables = own_tables(&mut loaded.task.clone());
+    inputs.extend(tables.into_iter().map(|table| (table.name, sha256(&table.csv))));
+    let start = folder.path(START);
+    if start.is_file() {
+        inputs.push((START.to_owned(), sha256(&read_text(&start)?)));
+    }
+    Ok(inputs)
+}
+
+impl Learned {
+    /// Whether it was interrupted, or what failed may be mended: it can go on.
+    pub fn is_open(&self) -> bool {
+        self.history.stop == TerminationReason::Requested && (self.failure.is_none() || self.is_mendable)
+    }
+}
