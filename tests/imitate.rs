@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Columns, expect, folder, json, metric, read, task};
+use crate::support::{Columns, expect, folder, hpf, json, metric, read, task};
 
 #[path = "../crates/hpf-sim/examples/demonstrations.rs"]
 #[allow(dead_code, reason = "the example's main is not the test's")]
@@ -317,6 +317,12 @@ fn a_recording_that_was_cut_within_its_last_number_is_refused_and_one_without_a_
     assert!(stderr.contains("f.csv:4:5: the last number, 2, is shorter"), "{stderr}");
     let stderr = check(0, "time_s,force_n\n0.0,0.0\n0.5,1.0\n1.0,2.0");
     assert!(stderr.contains("note: ") && stderr.contains("2.0, which is taken as it stands"), "{stderr}");
+    // Every command that reads it says so, once.
+    for command in ["learn", "sweep"] {
+        let output = hpf(folder.path(), &[command, "t.toml", "--quiet", "--set", "learning.updates=2"]);
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(stderr.matches("which is taken as it stands").count(), 1, "{command}: {stderr}");
+    }
     assert_eq!(check(0, "time_s,force_n\n0.0,0.0\n0.5,1.0\n1.0,20\n"), "");
 }
 

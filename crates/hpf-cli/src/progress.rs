@@ -126,27 +126,6 @@ impl Watch for OnTerminal {
     }
 }
 
-/// Work without a word, which signals end.
-pub struct Signals;
-
-impl Watch for Signals {
-    fn note(&self, sentence: &str) {
-        tell(sentence);
-    }
-
-    fn is_asked(&self) -> bool {
-        interrupt::is_asked()
-    }
-
-    fn is_urgent(&self) -> bool {
-        interrupt::is_urgent()
-    }
-
-    fn hold(&self, is_held: bool) {
-        interrupt::hold(is_held);
-    }
-}
-
 /// How many of some runs are done.
 pub enum Tally {
     /// Nothing is shown.

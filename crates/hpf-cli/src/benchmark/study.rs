@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use crate::progress::{Signals, Tally};
+use crate::progress::{OnTerminal, Tally};
 use crate::side_by_side::side_by_side;
 use hpf::failure::Failure;
 use hpf::files::LoadedTask;
@@ -135,7 +135,7 @@ impl Study {
             jobs.iter().map(|_| Mutex::new(None)).collect();
         let tally = Mutex::new(Tally::new("benchmark", jobs.len(), 0, quiet));
         side_by_side(jobs.len(), |index| {
-            let trial = trial::learn(&jobs[index].loaded, &Signals);
+            let trial = trial::learn(&jobs[index].loaded, &OnTerminal::new(true));
             tally.lock().expect("no worker panics").count(&jobs[index].loaded.task.name, None);
             *done[index].lock().expect("no worker panics") = Some(trial);
         })?;

@@ -7,7 +7,7 @@ use hpf_sim::environment::{Cantilever, Contact};
 use hpf_sim::task::Task;
 use hpf_sim::{Policy, Simulation};
 
-use crate::progress::{Signals, Tally};
+use crate::progress::{OnTerminal, Tally};
 use crate::side_by_side::side_by_side;
 use hpf::failure::Failure;
 use hpf::files::LoadedTask;
@@ -113,7 +113,7 @@ impl Study {
         let results: Vec<Mutex<Option<Result<Trial, Broken>>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
         let tally = Mutex::new(Tally::new("reproduce", jobs.len(), 0, quiet));
         side_by_side(jobs.len(), |index| {
-            let trial = trial::learn(&jobs[index].loaded, &Signals);
+            let trial = trial::learn(&jobs[index].loaded, &OnTerminal::new(true));
             tally.lock().expect("no worker panics").count(&jobs[index].loaded.task.name, None);
             *results[index].lock().expect("no worker panics") = Some(trial);
         })?;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Sweep;
+use crate::deliver::read_task;
 use hpf::failure::Failure;
 use hpf::files::{in_file, sha256};
 use hpf::trial::Prepared;
@@ -62,7 +63,8 @@ impl Plan {
     /// # Errors
     /// [`Failure`] for values that cannot be, before anything is learned.
     pub fn new(options: &Sweep, first: Option<u64>) -> Result<Self, Failure> {
-        let base = Prepared::read(&options.task, &options.set)?.loaded.task;
+        // Its notes are told here, once for all runs.
+        let base = read_task(&options.task, &options.set)?.task;
         let factors = options.vary.iter().map(|text| factor(text)).collect::<Result<Vec<_>, _>>()?;
         if let Some(twice) = (1..factors.len()).find(|i| factors[..*i].iter().any(|one| one.key == factors[*i].key)) {
             let message =

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::plan::{Job, Plan};
 use crate::interrupt;
-use crate::progress::{Signals, Tally};
+use crate::progress::{OnTerminal, Tally};
 use crate::side_by_side::side_by_side;
 use hpf::failure::Failure;
 use hpf::files::{read_text, sha256};
@@ -99,6 +99,6 @@ pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: boo
 }
 
 fn learn(job: &Job, folder: &Path, full: bool) -> Result<(), Broken> {
-    let trial = trial::learn(&job.prepared.loaded, &Signals)?;
+    let trial = trial::learn(&job.prepared.loaded, &OnTerminal::new(true))?;
     Ok(trial::save(&trial, &job.prepared, full, &folder.join(&job.directory))?)
 }

@@ -87,13 +87,13 @@ pub struct Status {
     pub long_time: bool,
     /// The force of an axis was not finite, or all of it too old: the last good one stands in.
     pub bad_force: bool,
-    /// It has been for longer than may be bridged: offsets are frozen, the path comes to rest.
+    /// The force has been bad for longer than may be bridged: offsets are frozen, and the path stops.
     pub force_lost: bool,
-    /// A measured position has been bad for longer than may be bridged: the path comes to rest.
+    /// A measured position has been bad for longer than may be bridged: the path stops.
     pub position_lost: bool,
-    /// The rate has been bad for longer than may be bridged: the path comes to rest.
+    /// The rate has been bad for longer than may be bridged: the path stops.
     pub rate_lost: bool,
-    /// dt has been bad or long for more steps than may be bridged: the path comes to rest.
+    /// dt has been bad or long for more steps than may be bridged: the path stops.
     pub time_lost: bool,
     /// Rate or measured position was not finite and was not used.
     pub bad_input: bool,
@@ -110,7 +110,7 @@ pub struct Status {
 }
 
 impl Status {
-    /// Whether an input is lost: the path comes to rest, and then the mode is Fault.
+    /// Whether an input is lost: the path stops, and then the mode is Fault.
     #[inline]
     pub fn lost(self) -> bool {
         self.force_lost || self.position_lost || self.rate_lost || self.time_lost
