@@ -20,7 +20,7 @@ fi
 unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
 # Of two C libraries in one program the first thread never returns: a time limit, instead of a check that hangs.
-export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="timeout 300 qemu-aarch64 -L $library"
+export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="timeout 1800 qemu-aarch64 -L $library"
 # Emulation is slow: fewer updates of the long tests than on the host.
 export HPF_CAMPAIGN_UPDATES=${HPF_CAMPAIGN_UPDATES:-200000} HPF_HOUR_SECONDS=${HPF_HOUR_SECONDS:-20}
 echo "== tests of hpf-core, $target"

@@ -3,13 +3,11 @@
 //!
 //! A bounded share; `HPF_CAMPAIGN_UPDATES=10000000` asks for more.
 
-mod support;
-
+use crate::support::{Family, skill};
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Mode, Output, Request, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{Damping, Law};
-use support::{Family, skill};
 
 /// Updates of each precision, all numbers of axes together.
 const UPDATES: u64 = 700_000;

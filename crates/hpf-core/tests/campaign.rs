@@ -2,14 +2,12 @@
 //!
 //! A million updates in each precision; `HPF_CAMPAIGN_UPDATES=10000000` asks for more.
 
-mod support;
-
+use crate::support::{Family, N, skill};
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Mode, Output, Request, Settings, Timing};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{Damping, Law};
-use support::{Family, N, skill};
 
 const UPDATES: u64 = 1_000_000;
 const AXES: usize = 2;

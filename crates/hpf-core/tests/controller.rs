@@ -1,13 +1,11 @@
 //! The controller, promise by promise, with either family of bases and either law of giving way.
 
-mod support;
-
+use crate::support::{DT, Family, Kind, Rig, skill};
 use hpf_core::Real;
 use hpf_core::admittance::step_offset;
 use hpf_core::controller::{AxisOutput, Compliance, Controller, Event, Mode, Output, Request, Settings};
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{Damping, Law};
-use support::{DT, Family, Kind, Rig, skill};
 
 type Arm = Rig<f64, 1>;
 

@@ -1,14 +1,12 @@
 //! The domain: what is outside is refused by name, and from its corners no step leads out of the finite numbers.
 
-mod support;
-
+use crate::support::{Family, settings, skill};
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{
     AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, MovementState, Phase, Real, Transition,
 };
-use support::{Family, settings, skill};
 
 #[test]
 fn constructors_refuse_what_lies_outside() {

@@ -1,12 +1,10 @@
 //! What a controller with a tank may give: `sum f dx >= -(capacity - reserve)` from rest, by this test's own sums.
 
-mod support;
-
+use crate::support::{Family, Kind, N, input};
 use hpf_core::controller::{Compliance, Controller, Output, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase};
-use support::{Family, Kind, N, input};
 
 /// Limits that nothing here reaches.
 const WIDE: Limits<f64> =
@@ -25,7 +23,7 @@ const STEPS: [f64; 3] = [1e-3, 2e-3, 1e-2];
 
 /// A skill of 1.5 s under `law`.
 fn skill<const D: usize>(law: Law<f64>) -> HybridPrimitive<f64, [f64; N], D> {
-    support::skill(Kind { family: Family::Time, law }, 1.5)
+    crate::support::skill(Kind { family: Family::Time, law }, 1.5)
 }
 
 fn settings<const D: usize>(compliance: Compliance<f64>, tank: EnergyTank<f64>) -> Settings<f64, D> {

@@ -1,10 +1,8 @@
 //! Bad inputs, one by one and pair by pair: each becomes a fault within its time, whatever the others do.
 
-mod support;
-
+use crate::support::{DT, Family, Rig, settings};
 use hpf_core::controller::{Mode, Output, Request, Settings};
 use hpf_core::limits::Hits;
-use support::{DT, Family, Rig, settings};
 
 type Arm = Rig<f64, 2>;
 

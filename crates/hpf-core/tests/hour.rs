@@ -2,13 +2,11 @@
 //!
 //! 3600 s; `HPF_HOUR_SECONDS=20` asks for another time.
 
-mod support;
-
+use crate::support::{Family, Kind, Rig, settings};
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::Request;
 use hpf_core::passivity::EnergyTank;
 use hpf_core::{Damping, Law, Real};
-use support::{Family, Kind, Rig, settings};
 
 const SECONDS: usize = 3600;
 /// The largest gap allowed between the two [m]: the phase of a movement is a product of 2000 factors, each rounded at

@@ -1,11 +1,9 @@
 //! The law is the skill's: a skill gives way by it, and so does a controller that is told nothing but the skill.
 
-mod support;
-
+use crate::support::{DT, Family, Kind, Rig, settings, skill};
 use hpf_core::admittance::{Inertial, OffsetMotion, step_offset};
 use hpf_core::controller::Request;
 use hpf_core::{ConfigError, Damping, Law};
-use support::{DT, Family, Kind, Rig, settings, skill};
 
 const MASS: f64 = 2.0;
 

@@ -1,10 +1,8 @@
 //! Skills of hours in single precision, far goals, and a long rest: sums of millions of small steps.
 
-mod support;
-
+use crate::support::{Family, Rig, settings, skill};
 use hpf_core::Real;
 use hpf_core::controller::Request;
-use support::{Family, Rig, settings, skill};
 
 /// Runs a started skill of `duration` [s] at 1 kHz to a tenth beyond its end, in both precisions; returns the largest gap
 /// between them [m], and when each has ended [s].

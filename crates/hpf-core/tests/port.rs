@@ -1,13 +1,11 @@
 //! The energy at the physical port, on a robot that lags and a force that is late and biased. The true work is this
 //! test's own sum of true force times true displacement, over steps far finer than the controller's.
 
-mod support;
-
+use crate::support::{Family, Kind, skill};
 use hpf_core::controller::{Compliance, Controller, Input, Mode, Output, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{Damping, Law};
-use support::{Family, Kind, skill};
 
 const DT: f64 = 1e-3;
 const FINE: usize = 20;
@@ -258,7 +256,7 @@ fn without_a_measured_position_nothing_moves_and_nonsense_is_refused() {
     let port = Port { force_delay: 2, force_bias: [0.5] };
     let good = settings(Compliance::Compliant, Some(port));
     let mut controller = Controller::new(skill::<f64, 1>(Family::Time, 2.0), good, [0.1]).unwrap();
-    let mut input = support::input([10.0]);
+    let mut input = crate::support::input([10.0]);
     input.request = Some(Request::Start);
     for _ in 0..500 {
         let output = controller.update(&input, DT);
@@ -289,7 +287,7 @@ fn what_has_not_started_stays_where_it_is_wherever_the_robot_is() {
         let good = settings(Compliance::Compliant, Some(port));
         let skill = skill::<f64, 1>(Kind { family: Family::Time, law: LAWS[0] }, 2.0);
         let mut controller = Controller::new(skill, good, [0.1]).unwrap();
-        let mut input = support::input([force]);
+        let mut input = crate::support::input([force]);
         (input.request, input.measured_position) = (Some(request), Some([0.06]));
         for _ in 0..500 {
             let output = controller.update(&input, DT);

@@ -1,10 +1,8 @@
 //! One motion at 100 Hz, 1 kHz and 8 kHz: a finer loop comes nearer to it, by the order that is claimed.
 
-mod support;
-
+use crate::support::{Family, Kind, Rig, settings, skill};
 use hpf_core::controller::{Request, Settings};
 use hpf_core::{Damping, Law};
-use support::{Family, Kind, Rig, settings, skill};
 
 /// What the loops are compared with [Hz].
 const FINEST: f64 = 256_000.0;

@@ -1,9 +1,7 @@
 //! A tare: refused until the force has stood still, and then nothing is left of it.
 
-mod support;
-
+use crate::support::{DT, Family, Rig, settings};
 use hpf_core::controller::{Mode, Request};
-use support::{DT, Family, Rig, settings};
 
 type Arm = Rig<f64, 2>;
 

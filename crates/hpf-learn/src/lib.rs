@@ -9,6 +9,7 @@ mod distance;
 mod drive;
 pub mod fit;
 mod gauss_newton;
+pub mod instructions;
 mod noise;
 mod pi2;
 mod problem;

@@ -26,6 +26,7 @@ use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
+use crate::instructions::Instructions;
 use crate::noise::stream;
 use crate::weighting::{Pack, softmax};
 use crate::{Anneal, Block, Cost, Covariance, Exploration, Parameters, ShapeError, Temperature, shape};
@@ -169,7 +170,7 @@ pub struct Pi2 {
     spread: Vec<f64>,
     update: usize,
     scratch: Scratch,
-    instructions: pulp::Arch,
+    instructions: Instructions,
 }
 
 #[derive(Clone, Debug)]
@@ -214,7 +215,7 @@ impl Pi2 {
             })
             .collect();
         let spread = vec![1.0; weights.len()];
-        let (scratch, instructions) = (Scratch::default(), pulp::Arch::new());
+        let (scratch, instructions) = (Scratch::default(), Instructions::best());
         Self { options, steps, blocks, bases, weights, spread, update: 0, scratch, instructions }
     }
 
@@ -222,7 +223,7 @@ impl Pi2 {
     /// the same.
     #[must_use]
     pub fn portable(mut self) -> Self {
-        self.instructions = pulp::Arch::Scalar;
+        self.instructions = Instructions::portable();
         self
     }
 

@@ -1,10 +1,8 @@
 //! What a run of learning promises: the same bits on any number of threads, motions counted, the best kept.
 
-mod block;
-
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-use block::{FREE, block};
+use crate::block::{FREE, block};
 use hpf_learn::{
     Anneal, Block, Cost, Credit, Draws, Exploration, History, LearnError, Parameters, Pi2Error, Pi2Options, Problem,
     Temperature, TerminationReason, learn,

@@ -2,9 +2,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "sums over t, k, i and j read like their formulas")]
 
-mod block;
-
-use block::{FREE, block, phase};
+use crate::block::{FREE, block, phase};
 use hpf_learn::{
     Anneal, Batch, Block, Cost, Covariance, Credit, Exploration, Parameters, Pi2, Pi2Error, Pi2Options, Temperature,
 };

@@ -28,6 +28,7 @@ mod tool;
 
 use hpf_core::admittance::Inertial;
 use hpf_core::{ConfigError, Lanes, Real as _};
+use hpf_learn::instructions::Instructions;
 use hpf_learn::{Block, Cost, Parameters, SignalModel};
 
 use crate::cost::{CostModel, Term};
@@ -110,7 +111,7 @@ pub struct Simulation {
     pub(crate) is_pushed_at_rest: bool,
     /// Where forces are measured.
     robot: Option<Robot>,
-    instructions: pulp::Arch,
+    instructions: Instructions,
 }
 
 /// What a rollout needs of one axis.
@@ -245,7 +246,7 @@ impl Simulation {
             is_pushed_at_rest: task.is_random() || shown.lasts_beyond(steps),
             shown,
             robot: (task.sensor.is_some() || task.actuator.is_some()).then(|| Robot::of(task, dt)),
-            instructions: pulp::Arch::new(),
+            instructions: Instructions::best(),
         })
     }
 
@@ -253,7 +254,7 @@ impl Simulation {
     /// number is the same.
     #[must_use]
     pub fn portable(mut self) -> Self {
-        self.instructions = pulp::Arch::Scalar;
+        self.instructions = Instructions::portable();
         self
     }
 

@@ -1,14 +1,12 @@
 //! Rollouts together: the same bits as alone, in any instructions, on any number of threads, and nothing allocated.
 
-mod stepped;
-
+use crate::stepped::{prepared, stepped};
 use hpf_learn::{
     Batch, CmaEsOptions, Cost, Draws, Exploration, LearningLoop, Method, Parameters, Pi2, Pi2Options, Problem, Session,
     learn,
 };
 use hpf_sim::environment::disturbance::Side;
 use hpf_sim::{Policy, Simulation, Task};
-use stepped::{prepared, stepped};
 
 const SHIPPED: [&str; 4] = [
     include_str!("../../../tasks/cantilever.toml"),

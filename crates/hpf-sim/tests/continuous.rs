@@ -1,10 +1,8 @@
 //! The simulator against the continuous-time equations.
 
-mod solver;
-
+use crate::solver::{beam, distance, moving_load, solve, swing, tip_load};
 use hpf_learn::{Pi2Options, learn};
 use hpf_sim::{Policy, Simulation, Task, Trace};
-use solver::{beam, distance, moving_load, solve, swing, tip_load};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const TIP_LOAD: &str = include_str!("../../../tasks/cantilever.toml");

@@ -1,7 +1,5 @@
 //! Every term of the cost, alone, against the same sum written out here from the trace.
 
-mod waves;
-
 use hpf_sim::cost::Term;
 use hpf_sim::task::{CostWeights, PerAxis, Preset, ViaPoint};
 use hpf_sim::{Policy, Simulation, Task, Trace};
@@ -17,7 +15,7 @@ fn motion(text: &str, cost: CostWeights) -> (Simulation, Trace) {
 }
 
 fn moved(task: &Task) -> (Simulation, Trace) {
-    let policy = waves::policy(task);
+    let policy = crate::waves::policy(task);
     let simulation = Simulation::new(task, &policy).unwrap();
     let trace = simulation.rollout(&policy.weights());
     (simulation, trace)

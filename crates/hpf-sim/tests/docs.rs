@@ -1,4 +1,4 @@
-//! The key-by-key page of the task file is what the code says: `UPDATE_DOCS=1 cargo test -p hpf-sim --test docs`
+//! The key-by-key page of the task file is what the code says: `UPDATE_DOCS=1 cargo test -p hpf-sim --test all docs::`
 //! writes it, the test without it checks it.
 
 use core::fmt::Write as _;
@@ -14,7 +14,7 @@ TOML. SI units: a linear axis in m and N, a rotary one in rad and N m. A value p
 an array in axis order. A key without a default must be given. `hpf check TASK` answers every mistake with its place,
 and `--set key.path=value` overrides a key from the command line (lists by position: `via_point.0.time=2.0`).
 
-This page is made from the code: `UPDATE_DOCS=1 cargo test -p hpf-sim --test docs`.
+This page is made from the code: `UPDATE_DOCS=1 cargo test -p hpf-sim --test all docs::`.
 ";
 
 struct Page<'s> {
@@ -150,5 +150,5 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
         std::fs::write(&path, &page.text).expect("docs/ is writable");
     }
     let found = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(found == page.text, "docs/task-file.md is out of date: UPDATE_DOCS=1 cargo test -p hpf-sim --test docs");
+    assert!(found == page.text, "docs/task-file.md is out of date: UPDATE_DOCS=1 cargo test -p hpf-sim --test all docs::");
 }

@@ -1,11 +1,8 @@
 //! The law of second order in the simulator, against a fine solution of the continuous equations by other means.
 
-#[path = "solver/mixture.rs"]
-mod mixture;
-
+use crate::solver::mixture::mixture;
 use hpf_learn::{Draws, Parameters, Problem};
 use hpf_sim::{AxisPolicy, GainPolicy, Policy, Simulation, Task, Trace};
-use mixture::mixture;
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
 const BEAM: &str = include_str!("../../../tasks/cantilever.toml");

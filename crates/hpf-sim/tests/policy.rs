@@ -1,7 +1,5 @@
 //! The policy file: what it keeps to the bit, what it refuses, and that a control loop steps what the simulator rolls.
 
-mod waves;
-
 use hpf_sim::{Policy, PolicyError, Simulation, SimulationError, Task};
 
 const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
@@ -9,7 +7,7 @@ const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
 const REACH: &str = include_str!("../../../tasks/reach.toml");
 
 fn policy(text: &str) -> Policy {
-    waves::policy(&Task::parse(text).unwrap())
+    crate::waves::policy(&Task::parse(text).unwrap())
 }
 
 fn bits(policy: &Policy) -> Vec<u64> {

@@ -3,8 +3,6 @@
 //! 200 tasks; `HPF_RANDOM_TASKS=10000 cargo test --release -p hpf-sim --test random_tasks` learns more,
 //! `HPF_RANDOM_TASK=17` the one alone and prints it.
 
-mod generator;
-
 use hpf_sim::{Conditions, Policy, Simulation, Task, Trace};
 use rayon::prelude::*;
 
@@ -21,7 +19,7 @@ fn asked(name: &str) -> Option<u64> {
 #[test]
 fn random_tasks_are_learned_with_finite_numbers_within_their_bounds() {
     if let Some(seed) = asked("HPF_RANDOM_TASK") {
-        println!("{}", generator::task(seed));
+        println!("{}", crate::generator::task(seed));
         return learn(seed).unwrap_or_else(|wrong| panic!("{wrong}"));
     }
     let seeds = 0..asked("HPF_RANDOM_TASKS").unwrap_or(TASKS);
@@ -39,7 +37,7 @@ fn random_tasks_are_learned_with_finite_numbers_within_their_bounds() {
 
 /// Learns task `seed`, and says what went wrong.
 fn learn(seed: u64) -> Result<(), String> {
-    let text = generator::task(seed);
+    let text = crate::generator::task(seed);
     let task = Task::parse(&text).map_err(|found| format!("refused: {}; {}", found[0].message, found[0].help))?;
     let again = toml::to_string(&task).map_err(|error| format!("cannot be written: {error}"))?;
     if Task::parse(&again).as_ref() != Ok(&task) {

@@ -4,10 +4,10 @@ use core::iter;
 use core::ops::Range;
 
 use hpf_core::{Lanes, Real};
-use pulp::NullaryFnOnce;
 
 use super::update::Inputs;
 use crate::Temperature;
+use crate::instructions::NullaryFnOnce;
 use crate::weighting::{LANES, Pack, Scale, least, most};
 
 /// Rollouts of a group: their weights in the steps of a tile fit into registers.

@@ -10,12 +10,12 @@
 //! Groups are joined two halves at a time, always the same halves: the same bits for any number of threads.
 
 use hpf_core::Real;
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use super::bases::Bases;
 use super::group::{Group, MEMBERS, Pass, Weights, Work};
 use super::{Batch, Credit};
+use crate::instructions::{Instructions, NullaryFnOnce};
 use crate::weighting::{Pack, Ranking, Scale};
 use crate::{Cost, Temperature};
 
@@ -44,7 +44,7 @@ pub(super) struct Inputs<'a> {
     pub(super) weights: &'a [f64],
     pub(super) batch: &'a Batch,
     pub(super) costs: &'a [Cost],
-    pub(super) instructions: pulp::Arch,
+    pub(super) instructions: Instructions,
 }
 
 impl Inputs<'_> {
@@ -87,7 +87,7 @@ impl Scratch {
         let most = core::mem::take(&mut groups[0].most);
         let (temperature, extremes) = (inputs.temperature, [&least[..], &most[..]]);
         let compare = |first: usize, compared: Compared<'_>| {
-            inputs.instructions.dispatch(Compare { temperature, groups, extremes, first, compared });
+            inputs.instructions.run(Compare { temperature, groups, extremes, first, compared });
         };
         let tiles = if inputs.threads() > 1 { TILES } else { rows };
         let weights = match temperature {
@@ -133,7 +133,7 @@ fn part(groups: &mut [Group], first: usize, inputs: &Inputs<'_>, stage: Pass<'_>
         rayon::join(|| part(left, first, inputs, stage, parts / 2), on_right);
         stage.join(&mut left[0], &right[0]);
     } else {
-        inputs.instructions.dispatch(Work { inputs, stage, first, groups });
+        inputs.instructions.run(Work { inputs, stage, first, groups });
         join(groups, stage);
     }
 }

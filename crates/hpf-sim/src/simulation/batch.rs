@@ -1,8 +1,8 @@
 //! Rollouts for learning: costs without traces, [`LANES`] rollouts at a time in the best instructions there are.
 
 use hpf_core::{Lanes, Real};
+use hpf_learn::instructions::NullaryFnOnce;
 use hpf_learn::{Cost, Draws, Parameters};
-use pulp::NullaryFnOnce;
 
 use super::Simulation;
 use super::profiles::{Constant, Rowwise};
@@ -77,7 +77,7 @@ impl Simulation {
         running.clear();
         running.resize(self.step_count(), [0.0; LANES]);
         let mut accumulator = CostAccumulator::new(running);
-        self.instructions.dispatch(LaneBatch { simulation: self, scenario, weights, accumulator: &mut accumulator });
+        self.instructions.run(LaneBatch { simulation: self, scenario, weights, accumulator: &mut accumulator });
         for (lane, cost) in costs.iter_mut().enumerate() {
             accumulator.write(lane, cost);
         }

@@ -2,7 +2,7 @@
 //! (Runge-Kutta 4), beam and tool law (Radau IIA of two stages, third order and L-stable: the contact at the clamp
 //! relaxes within 1e-4 s). No kernel of the library is used. The end-to-end tests use it too.
 
-mod mixture;
+pub mod mixture;
 
 use hpf_sim::{AxisPolicy, GainPolicy, Policy};
 use mixture::mixture;

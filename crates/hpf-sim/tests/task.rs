@@ -6,12 +6,12 @@ use hpf_sim::environment::{Contact, Disturbance};
 use hpf_sim::task::{PerAxis, TemperatureKind};
 use hpf_sim::{Diagnostic, Policy, Simulation, Task};
 
-const VIA_POINT: &str = include_str!("../../../../tasks/via_point.toml");
-const DMPBBO: &str = include_str!("../../../../tasks/dmpbbo_via_point.toml");
-const BEAM: &str = include_str!("../../../../tasks/cantilever.toml");
-const MOVING_LOAD: &str = include_str!("../../../../tasks/cantilever_moving_load.toml");
-const ROBOT_BEAM: &str = include_str!("../../../../tasks/cantilever_robot.toml");
-const REACH: &str = include_str!("../../../../tasks/reach.toml");
+const VIA_POINT: &str = include_str!("../../../tasks/via_point.toml");
+const DMPBBO: &str = include_str!("../../../tasks/dmpbbo_via_point.toml");
+const BEAM: &str = include_str!("../../../tasks/cantilever.toml");
+const MOVING_LOAD: &str = include_str!("../../../tasks/cantilever_moving_load.toml");
+const ROBOT_BEAM: &str = include_str!("../../../tasks/cantilever_robot.toml");
+const REACH: &str = include_str!("../../../tasks/reach.toml");
 
 #[test]
 fn every_shipped_task_is_accepted_and_can_be_simulated() {
