@@ -1,15 +1,15 @@
 //! Rollouts: a skill in its environment.
 //!
 //! A rollout goes on after the duration, over [`Task::rest_time`]: the forcing term fades, forces follow their
-//! definition, contact persists, and the tool is to come to rest. The phase is known in advance, so the bases are evaluated once per task, at every half step; all rollouts share
-//! the tables. Each step goes through the kernels of `hpf-core` that a control loop runs: [`Transition`] for the
+//! definition, contact persists, and the tool settles. The phase is known in advance, so the bases are evaluated once per task, at every half step; all rollouts share
+//! the tables. Each step goes through the kernels of `hpf-core`: [`PlannedReference`] for the
 //! reference, [`relax`] for the tool. Known forces run linearly over a step and contacts are solved together with
 //! the admittance law; where the tool meets or leaves a surface inside a step, the step is split there.
 //!
 //! There is one implementation, over [`Lanes`]: a batch is stepped in several, one rollout with a trace in one. Each
 //! lane has the same bits in both.
 //!
-//! [`Transition`]: hpf_core::Transition
+//! [`PlannedReference`]: hpf_core::PlannedReference
 //! [`relax`]: hpf_core::admittance::relax
 //! [`Lanes`]: hpf_core::Lanes
 
@@ -94,7 +94,7 @@ pub struct Simulation {
     blank: Trace,
     dt: f64,
     tables: Tables,
-    /// What drives the forcing term at mid-steps, of movement and rest time.
+    /// Gate of the forcing term at mid-steps, of movement and rest time.
     drive: Vec<f64>,
     steps: usize,
     /// Steps of a rollout that costs are taken of: with the rest time where rest costs something.
@@ -153,7 +153,7 @@ impl Simulation {
         let rest_steps = task.rest_steps();
         let all_steps = steps + rest_steps;
         let phase = policy.phase()?;
-        let half_steps: Vec<f64> = (0..=2 * all_steps).map(|h| phase.at(0.5 * dt * h as f64)).collect();
+        let half_steps: Vec<f64> = (0..=2 * all_steps).map(|h| phase.at(0.5 * dt * h as f64).s).collect();
         let middle_phase: Vec<f64> = half_steps.iter().copied().skip(1).step_by(2).collect();
         let bases = policy.bases()?;
         let time: Vec<f64> = (0..=all_steps).map(|i| i as f64 * dt).collect();
@@ -234,7 +234,7 @@ impl Simulation {
             blank,
             dt,
             tables,
-            drive: middle_phase.iter().map(|&s| phase.drive(s)).collect(),
+            drive: middle_phase.iter().map(|&s| phase.gate(s)).collect(),
             steps,
             priced_steps: if cost.weighs_rest() { all_steps } else { steps },
             axes,

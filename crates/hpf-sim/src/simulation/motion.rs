@@ -1,7 +1,7 @@
 //! The motion of one axis of several rollouts at once, one per lane.
 
 use hpf_core::admittance::Inertial;
-use hpf_core::{ConfigError, Lanes, Movement, MovementState, Real, Transition};
+use hpf_core::{ConfigError, Lanes, MovementState, PlannedReference, Real};
 
 use super::profiles::Profiles;
 use super::table::TILE;
@@ -9,10 +9,7 @@ use super::table::TILE;
 /// What an axis' reference motion follows, in every lane.
 #[derive(Clone, Debug)]
 pub(super) struct Reference<const N: usize> {
-    movement: Movement<Lanes<N>, [Lanes<N>; 0]>,
-    transition: Transition<Lanes<N>>,
-    /// 1 over the duration [1/s].
-    rate: Lanes<N>,
+    movement: PlannedReference<Lanes<N>>,
     /// The law of the tool, where it has inertia.
     pub(super) inertial: Option<Inertial<Lanes<N>>>,
 }
@@ -28,9 +25,7 @@ impl<const N: usize> Reference<N> {
     ) -> Result<Self, ConfigError> {
         let [start, goal, alpha, scale] = numbers.map(Lanes::of);
         Ok(Self {
-            movement: Movement::new(start, goal, alpha, scale, [])?,
-            transition: Transition::new(alpha, Lanes::of(dt / duration)),
-            rate: Lanes::of(1.0 / duration),
+            movement: PlannedReference::new(start, goal, alpha, scale, Lanes::of(duration), Lanes::of(dt))?,
             inertial: inertia
                 .map(|numbers| {
                     let [mass, stiffness, damping] = numbers.map(Lanes::of);
@@ -93,7 +88,7 @@ pub(crate) trait Sink<const N: usize> {
     fn take(&mut self, i: usize, sample: &Sample<N>);
 }
 
-/// Moves one axis as long as `drive` says what drives its forcing term at mid-steps.
+/// Moves one axis for a step per entry of `drive`, the gate of its forcing term at mid-steps.
 #[inline(always)]
 pub(super) fn roll<const N: usize>(
     reference: &Reference<N>,
@@ -102,10 +97,10 @@ pub(super) fn roll<const N: usize>(
     mut tool: impl Tool<N>,
     mut sink: impl Sink<N>,
 ) {
-    let Reference { movement, transition, rate, .. } = *reference;
+    let movement = reference.movement;
     let knot = |state: MovementState<Lanes<N>>, stiffness, damping| Knot {
         state,
-        reference_velocity: state.scaled_velocity * rate,
+        reference_velocity: movement.velocity(&state),
         stiffness,
         damping,
     };
@@ -118,7 +113,7 @@ pub(super) fn roll<const N: usize>(
             sink.take(first + j, &tool.sample(first + j, &now));
             let mut state = now.state;
             let goal = profiles.goal(first + j).unwrap_or(movement.goal());
-            transition.apply(&mut state, goal, movement.forcing(Lanes::of(driven), tile.movement[j]));
+            movement.step(&mut state, goal, Lanes::of(driven), tile.movement[j]);
             let ([middle_stiffness, stiffness], [middle_damping, damping]) = (tile.stiffness[j], tile.damping[j]);
             let next = knot(state, stiffness, damping);
             tool.advance(first + j, &now, &next, [middle_stiffness, middle_damping]);
