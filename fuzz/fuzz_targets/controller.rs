@@ -49,7 +49,7 @@ fn play<T: Scalar, const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
     let Ok(mut arm) = Controller::<T, [T; N], D>::new(skill, settings(input, taste)?, place) else { return Ok(()) };
     in_domain(arm.settings());
     lawful(skill.axes());
-    let mut witness = Witness::new(arm.output(), arm.settings(), skill.axes());
+    let mut witness = Witness::new(&arm.output(), arm.settings(), skill.axes());
     let mut updates = 0;
     while !input.is_empty() && updates < UPDATES {
         let choice = u8::arbitrary(input)?;
@@ -61,7 +61,7 @@ fn play<T: Scalar, const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
             let accepted = arm.set(settings).is_ok();
             assert_eq!(*arm.settings(), if accepted { settings } else { *before.settings() });
             in_domain(arm.settings());
-            witness.changed(accepted, arm.settings(), arm.output(), arm.counters());
+            witness.changed(accepted, arm.settings(), &arm.output(), arm.counters());
         }
         let place = each(input, hostile, -0.45, 0.45)?;
         let mut given = Input {
@@ -89,7 +89,7 @@ fn play<T: Scalar, const D: usize>(input: &mut Unstructured<'_>) -> Result<()> {
             let now = arm.update(&given, dt);
             // Whatever is kept is a number, or it would not equal itself.
             assert_eq!(again.update(&given, dt), now);
-            assert!(again == arm && *arm.output() == now);
+            assert!(again == arm && arm.output() == now);
             witness.saw(&given, dt, arm.settings(), skill.axes(), [bias, arm.bias()], &now, arm.counters());
             given.request = None;
             updates += 1;

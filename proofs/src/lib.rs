@@ -1,5 +1,5 @@
-//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped, and a packed skill is read, without a
-//! reachable panic and without a heap.
+//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped, and a packed skill is read and
+//! written, without a reachable panic and without a heap.
 //!
 //! The panic handler calls a function that exists nowhere, so a program links only if the linker finds no way from
 //! the functions exported here to a panic. There is no global allocator, so code that allocates does not build.
@@ -14,7 +14,7 @@ use core::mem::MaybeUninit;
 use hpf_core::conditioning::ForceConditioning;
 use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Request, Settings, Timing};
 use hpf_core::limits::Limits;
-use hpf_core::packed::{Packed, PackedError};
+use hpf_core::packed::{Contents, Packed, PackedError};
 use hpf_core::passivity::{EnergyTank, Port};
 use hpf_core::{
     AxisPrimitives, Basis, ConfigError, Damping, Gain, HybridPrimitive, HybridState, Law, Movement, Phase, Real,
@@ -143,17 +143,36 @@ impl<T: Real + PartialOrd> Run<T> {
     }
 }
 
-/// Reads a packed skill, into arrays of its own and into storage, and steps both; returns where the first axis then is.
+/// Room for a packed skill [bytes].
+const PACKED: usize = 4096;
+
+/// Reads a packed skill into arrays of its own, writes that, reads what was written into storage, and steps both; returns
+/// where the first axis then is.
 fn unpack<T: Real>(bytes: &[u8]) -> Result<[T; 2], PackedError> {
     let packed = Packed::parse(bytes)?;
     let owned = packed.skill::<T, N, D>()?;
+    let contents = Contents::of(&owned, packed.head().rotary);
+    let (mut room, expected) = ([0; PACKED], contents.head()?.length());
+    let written = room.get_mut(..expected).ok_or(PackedError::Length { found: PACKED, expected })?;
+    contents.pack(written)?;
+    let packed = Packed::parse(written)?;
     let mut storage = [T::ZERO; 3 * N * (2 + D)];
     let borrowed = packed.skill_in::<T, D>(&mut storage)?;
+    // The axes number by number: the goals are those of the skill.
+    for (axis, read) in owned.axes().iter().zip(packed.axes()) {
+        if read.goal != axis.movement.goal().to_f64() || !read.weights().eq(weights(&axis.movement)) {
+            return Err(PackedError::NotASkill);
+        }
+    }
     let [first, _] = owned.step(&mut owned.initial_state(), [T::ONE; D], T::ONE, T::of(0.01));
     let [second, _] = borrowed.step(&mut borrowed.initial_state(), [T::ONE; D], T::ONE, T::of(0.01));
     #[cfg(feature = "negative-panic-unpack")]
     let first = [first][usize::from(bytes[0])];
     Ok([first.position, second.position])
+}
+
+fn weights<T: Real>(movement: &Movement<T, [T; N]>) -> impl Iterator<Item = f64> {
+    movement.weights().iter().map(|weight| weight.to_f64())
 }
 
 macro_rules! export {

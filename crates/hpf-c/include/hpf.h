@@ -181,7 +181,7 @@
 #define HPF_RESUME 3
 
 /*
- Request: come to rest on the path for good.
+ Request: stop on the path for good.
  */
 #define HPF_STOP 4
 
@@ -216,12 +216,12 @@
 #define HPF_MODE_HOLD 2
 
 /*
- Mode: has come to rest for good, still compliant where it has moved before; latched until reset.
+ Mode: stopped for good, still compliant where it has moved before; latched until reset.
  */
 #define HPF_MODE_STOP 3
 
 /*
- Mode: has come to rest, rigid, because an input is lost; latched until reset.
+ Mode: stopped and rigid, because an input is lost; latched until reset.
  */
 #define HPF_MODE_FAULT 4
 

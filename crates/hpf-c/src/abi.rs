@@ -38,7 +38,7 @@ pub const HPF_START: u32 = 1;
 pub const HPF_HOLD: u32 = 2;
 /// Request: go on along the path.
 pub const HPF_RESUME: u32 = 3;
-/// Request: come to rest on the path for good.
+/// Request: stop on the path for good.
 pub const HPF_STOP: u32 = 4;
 /// Request: go to another goal, `target`.
 pub const HPF_GOAL: u32 = 5;
@@ -53,9 +53,9 @@ pub const HPF_MODE_IDLE: u32 = 0;
 pub const HPF_MODE_RUN: u32 = 1;
 /// Mode: pauses on the path, compliant; resumable.
 pub const HPF_MODE_HOLD: u32 = 2;
-/// Mode: has come to rest for good, still compliant where it has moved before; latched until reset.
+/// Mode: stopped for good, still compliant where it has moved before; latched until reset.
 pub const HPF_MODE_STOP: u32 = 3;
-/// Mode: has come to rest, rigid, because an input is lost; latched until reset.
+/// Mode: stopped and rigid, because an input is lost; latched until reset.
 pub const HPF_MODE_FAULT: u32 = 4;
 
 /// Flag of an output: the movement has ended; set once.

@@ -145,7 +145,7 @@ impl<T: Scalar, const D: usize> Slot<T, D> {
     unsafe fn output(handle: *const Handle<T>, output: &mut Output<T>) {
         // SAFETY: by contract.
         let slot = unsafe { &*handle.cast::<Self>() };
-        output.write(slot.controller.output());
+        output.write(&slot.controller.output());
     }
 
     unsafe fn counters(handle: *const Handle<T>, counters: &mut Counters) {

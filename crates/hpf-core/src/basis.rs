@@ -40,6 +40,7 @@ enum Family<T> {
         spacings: T,
         /// -ln(overlap).
         fall: T,
+        overlap: T,
         /// The last center's number, n-1.
         last: T,
         /// Spacings up to which a function counts.
@@ -132,7 +133,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         for (j, slot) in falls.as_mut().iter_mut().enumerate() {
             *slot = fallen(fall, j);
         }
-        Self::in_time(decay, fall, centers, falls)
+        Self::in_time(decay, overlap, fall, centers, falls)
     }
 
     /// The basis of the time family over lists that are stored, in flash or a file: each number must be the one that
@@ -152,18 +153,18 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
             error::within("centers", *found, center, center)?;
             error::within("falls", *fall_found, fallen, fallen)?;
         }
-        Self::in_time(decay, fall, centers, falls)
+        Self::in_time(decay, overlap, fall, centers, falls)
     }
 
     /// The time family over lists known to be its own.
-    fn in_time(decay: T, fall: T, centers: S, falls: S) -> Result<Self, ConfigError> {
+    fn in_time(decay: T, overlap: T, fall: T, centers: S, falls: S) -> Result<Self, ConfigError> {
         let last = T::of(centers.as_ref().len().saturating_sub(1) as f64);
         let reach = falls.as_ref().iter().skip(1).filter(|fallen| fallen.to_f64() > 0.0).count();
         let spacings = last / decay;
         error::finite("functions over decay", spacings)?;
         // The largest power of u there will be.
         error::finite("overlap to the power of minus its reach", T::ONE / (-fall * T::of(reach as f64)).exp())?;
-        let family = Family::Time { spacings, fall, last, reach };
+        let family = Family::Time { spacings, fall, overlap, last, reach };
         Ok(Self { centers, shape: falls, family, scalar: PhantomData })
     }
 
@@ -199,6 +200,14 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
         self.shape.as_ref()
     }
 
+    /// Overlap of neighbors, of the time family.
+    pub fn overlap(&self) -> Option<T> {
+        match self.family {
+            Family::Phase => None,
+            Family::Time { overlap, .. } => Some(overlap),
+        }
+    }
+
     /// Whether the other basis is this one, bit by bit.
     pub(crate) fn same(&self, other: &Self) -> bool {
         let equal = |a: &[T], b: &[T]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_f64() == b.to_f64());
@@ -224,7 +233,7 @@ impl<T: Real, S: AsRef<[T]>> Basis<T, S> {
     fn scan(&self, s: T, sink: &mut impl Sink<T>) -> T {
         match self.family {
             Family::Phase => self.scan_phase(s, sink),
-            Family::Time { spacings, fall, last, reach } => {
+            Family::Time { spacings, fall, last, reach, .. } => {
                 let (k, distance) = nearest(s, spacings, last);
                 self.scan_time(k, (fall + fall) * distance, reach, sink)
             }

@@ -27,7 +27,6 @@ mod exchange;
 pub mod faults;
 mod mode;
 mod port;
-mod reference;
 mod sense;
 mod settings;
 mod step;
@@ -39,13 +38,12 @@ pub use settings::{AxisSettings, Compliance, Settings, Timing};
 
 use exchange::count;
 use faults::Debts;
-use reference::Reference;
 
 use crate::admittance::{Inertial, OffsetMotion};
 use crate::conditioning::{ForceState, TareWindow};
 use crate::limits::Hits;
-use crate::movement::Increment;
 use crate::passivity::PortAxis;
+use crate::reference::{Reference, Stride};
 use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 
 /// A skill, its settings and its state; `S` holds each list: `[T; N]`, or `&'static [T; N]` for lists in flash.
@@ -84,8 +82,18 @@ use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 pub struct Controller<T, S, const D: usize> {
     skill: HybridPrimitive<T, S, D>,
     settings: Settings<T, D>,
-    /// Phase at which the movement has ended.
-    end_phase: T,
+    mode: Mode,
+    /// What has happened in this step so far, and after it in the last one.
+    status: Status,
+    phase: T,
+    /// What the phase has lost in rounding.
+    phase_remainder: T,
+    /// Rate at which time has run along the path in the last step.
+    rate: T,
+    /// Energy in the tank [J]; zero without one.
+    energy: T,
+    /// Energy at the physical port [J]; zero without one.
+    port_energy: T,
     axes: [AxisState<T>; D],
     force: ForceState<T, D>,
     /// The last good reading [N].
@@ -97,17 +105,15 @@ pub struct Controller<T, S, const D: usize> {
     ended: bool,
     /// Whether it has been in Run since it was put where it is.
     moved: bool,
-    /// What the phase has lost in rounding.
-    phase_remainder: T,
     counters: Counters,
     cache: StepCache<T>,
+    /// The step of phase and references for the rate and the step's length in `cache`.
+    stride: Stride<T, D>,
     /// Whether the books of the physical port have begun.
     port_known: bool,
-    /// The last output; phase, rate, energy, mode and motion of the commands are the state of what they say.
-    last: Output<T, D>,
 }
 
-/// What a step's length and the rate of time decide, beside [`AxisState::step`]: kept while they stay what they are.
+/// What a step's length and the rate of time decide, beside the [`Stride`]: kept while they stay what they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct StepCache<T> {
     /// The step's length [s]; zero where none has been looked at.
@@ -117,23 +123,38 @@ struct StepCache<T> {
     /// The share of the ramp that one step is, at most 1: how far the rate may change in it, and which part of what the
     /// tank can spend the path may take.
     ramp_share: T,
-    /// The rate that the rest is for; none that can be where the step's length is new.
+    /// The rate that the stride is for; none that can be where the step's length is new.
     rate: T,
-    /// By what share of itself the phase changes in half a step.
-    half: T,
 }
 
-/// State of one axis beside its last command.
+/// State of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct AxisState<T> {
     reference: Reference<T>,
     offset: OffsetMotion<T>,
+    /// Commanded position [axis unit].
+    position: T,
+    /// Commanded velocity [axis unit/s].
+    velocity: T,
+    /// Stiffness [N/m] as the tank has allowed it.
+    stiffness: T,
+    /// Damping [N s/m] by the law.
+    damping: T,
+    /// Force as the model has seen it [N].
+    force: T,
+    /// Limits that have cut the command.
+    hits: Hits,
     /// The second-order step, if the law is of that order.
     law: Option<Inertial<T>>,
-    /// The reference's step at the last [`StepCache`].
-    step: Increment<T>,
     /// The books of the physical port.
     port: PortAxis<T>,
+}
+
+impl<T: Real> AxisState<T> {
+    fn command(&self) -> AxisOutput<T> {
+        let Self { position, velocity, stiffness, damping, force, hits, .. } = *self;
+        AxisOutput { position, velocity, stiffness, damping, offset: self.offset.offset, force, hits }
+    }
 }
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
@@ -147,41 +168,38 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         position: [T; D],
     ) -> Result<Self, ConfigError> {
         let laws = settings.laws(skill.axes())?;
-        let rest = AxisOutput {
+        let axis = |law| AxisState {
+            reference: Reference::at_rest(T::ZERO, T::ZERO),
+            offset: OffsetMotion { offset: T::ZERO, velocity: T::ZERO },
             position: T::ZERO,
             velocity: T::ZERO,
             stiffness: T::ZERO,
             damping: T::ZERO,
-            offset: T::ZERO,
             force: T::ZERO,
             hits: Hits::default(),
+            law,
+            port: PortAxis::at_rest(T::ZERO, T::ZERO),
         };
-        let still = OffsetMotion { offset: T::ZERO, velocity: T::ZERO };
-        let reference = Reference::at_rest(T::ZERO, T::ZERO);
-        let port = PortAxis::at_rest(T::ZERO, T::ZERO);
         let mut controller = Self {
             settings,
-            end_phase: skill.phase().end(),
-            axes: laws.map(|law| AxisState { reference, offset: still, law, step: Increment::NONE, port }),
+            mode: Mode::Idle,
+            status: Status::default(),
+            phase: skill.phase().start(),
+            phase_remainder: T::ZERO,
+            rate: T::ZERO,
+            energy: T::ZERO,
+            port_energy: T::ZERO,
+            axes: laws.map(axis),
             force: ForceState::default(),
             good_force: [T::ZERO; D],
             tare: TareWindow::default(),
             debts: Debts::UNREAD,
             ended: false,
             moved: false,
-            phase_remainder: T::ZERO,
             counters: Counters::default(),
-            cache: StepCache { dt: T::ZERO, settled: T::ZERO, ramp_share: T::ZERO, rate: T::ZERO, half: T::ZERO },
+            cache: StepCache { dt: T::ZERO, settled: T::ZERO, ramp_share: T::ZERO, rate: T::ZERO },
+            stride: Stride::NONE,
             port_known: false,
-            last: Output {
-                axes: [rest; D],
-                phase: T::ONE,
-                rate: T::ZERO,
-                energy: T::ZERO,
-                port_energy: T::ZERO,
-                mode: Mode::Idle,
-                status: Status::default(),
-            },
             skill,
         };
         controller.place_at(position)?;
@@ -200,8 +218,17 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     }
 
     /// The last output.
-    pub fn output(&self) -> &Output<T, D> {
-        &self.last
+    #[inline]
+    pub fn output(&self) -> Output<T, D> {
+        Output {
+            axes: self.axes.each_ref().map(AxisState::command),
+            phase: self.phase,
+            rate: self.rate,
+            energy: self.energy,
+            port_energy: self.port_energy,
+            mode: self.mode,
+            status: self.status,
+        }
     }
 
     /// The force [N] that is called zero, beside the tool's weight: what the last tare has found.
@@ -222,8 +249,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// are refused whole, the old ones stay, and the refusal is counted.
     pub fn set(&mut self, settings: Settings<T, D>) -> Result<(), ConfigError> {
         let accepted = settings.laws(self.skill.axes()).and_then(|laws| {
-            for ((axis, state), command) in settings.axes.iter().zip(&self.axes).zip(&self.last.axes) {
-                axis.limits.admit(command.position, command.velocity)?;
+            for (axis, state) in settings.axes.iter().zip(&self.axes) {
+                axis.limits.admit(state.position, state.velocity)?;
                 let largest = axis.limits.offset.to_f64();
                 error::within("offset", state.offset.offset, -largest, largest)?;
             }
@@ -237,12 +264,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 }
                 // What a smaller tank cannot hold is gone; without a tank there are no books, and no debt.
                 let most = settings.tank.map_or(T::ZERO, |tank| tank.capacity());
-                self.last.energy = settings.tank.map_or(T::ZERO, |_| self.last.energy.at_most(most));
+                self.energy = settings.tank.map_or(T::ZERO, |_| self.energy.at_most(most));
                 // A port that is added later starts empty, like a tank.
                 if self.settings.port.is_none() {
                     self.open_port();
                 }
-                self.last.port_energy = settings.port.map_or(T::ZERO, |_| self.last.port_energy.at_most(most));
+                self.port_energy = settings.port.map_or(T::ZERO, |_| self.port_energy.at_most(most));
                 self.settings = settings;
                 self.cache.dt = T::ZERO;
                 self.tare = TareWindow::default();
@@ -257,20 +284,18 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 
     /// One step of `dt` [s]. Total: whatever comes in, the commands are finite and within every limit.
     pub fn update(&mut self, input: &Input<T, D>, dt: T) -> Output<T, D> {
-        self.last.status = Status::default();
+        self.status = Status::default();
         if let Some(request) = input.request
             && !self.handle_request(request)
         {
-            self.last.status.refused = true;
+            self.status.refused = true;
             count(&mut self.counters.refused);
         }
         match self.validate_dt(dt) {
             Some(dt) => self.advance(input, dt),
             None => self.stand(input),
         }
-        // In parts: as a whole it is copied by a call on a microcontroller.
-        let Output { axes, phase, rate, energy, port_energy, mode, status } = self.last;
-        Output { axes, phase, rate, energy, port_energy, mode, status }
+        self.output()
     }
 
     /// Does what is asked for; returns whether it did.
@@ -282,7 +307,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             Request::Stop => self.handle_event(Event::Stop),
             Request::Goal(goal) => self.retarget(goal),
             Request::Tare => {
-                let still = if self.last.mode == Mode::Idle { self.tare.mean() } else { None };
+                let still = if self.mode == Mode::Idle { self.tare.mean() } else { None };
                 if let Some(still) = still {
                     self.force.tare(still);
                     self.tare = TareWindow::default();
@@ -290,7 +315,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 still.is_some()
             }
             Request::Reset(position) => {
-                self.last.mode.after(Event::Reset).is_some()
+                self.mode.after(Event::Reset).is_some()
                     && self.place_at(position).is_ok()
                     && self.handle_event(Event::Reset)
             }
@@ -299,11 +324,11 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 
     /// Goes to the mode after `event`; returns whether there is one.
     fn handle_event(&mut self, event: Event) -> bool {
-        let Some(mode) = self.last.mode.after(event) else { return false };
-        if mode == Mode::Fault && self.last.mode != Mode::Fault {
+        let Some(mode) = self.mode.after(event) else { return false };
+        if mode == Mode::Fault && self.mode != Mode::Fault {
             count(&mut self.counters.faults);
         }
-        self.last.mode = mode;
+        self.mode = mode;
         true
     }
 
@@ -312,25 +337,25 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         for (axis, &position) in self.settings.axes.iter().zip(&position) {
             axis.limits.admit(position, T::ZERO)?;
         }
-        let profiles = self.skill.at(T::ONE);
-        let slots = self.axes.iter_mut().zip(&mut self.last.axes).zip(self.skill.axes()).zip(position).zip(profiles);
-        for ((((state, command), primitives), position), Profile { stiffness, damping, .. }) in slots {
-            state.reference = Reference::at_rest(position, primitives.movement.goal());
-            state.offset = OffsetMotion { offset: T::ZERO, velocity: T::ZERO };
-            *command = AxisOutput {
+        let profiles = self.skill.at(self.skill.phase().start());
+        let slots = self.axes.iter_mut().zip(self.skill.axes()).zip(position).zip(profiles);
+        for (((state, primitives), position), Profile { stiffness, damping, .. }) in slots {
+            *state = AxisState {
+                reference: Reference::at_rest(position, primitives.movement.goal()),
+                offset: OffsetMotion { offset: T::ZERO, velocity: T::ZERO },
                 position,
                 velocity: T::ZERO,
                 stiffness,
                 damping,
-                offset: T::ZERO,
                 force: T::ZERO,
                 hits: Hits::default(),
+                ..*state
             };
         }
-        self.last.phase = T::ONE;
-        self.last.rate = T::ZERO;
-        self.last.energy = self.settings.tank.map_or(T::ZERO, |tank| tank.capacity());
-        self.last.port_energy = self.settings.port.map_or(T::ZERO, |_| self.last.energy);
+        self.phase = self.skill.phase().start();
+        self.rate = T::ZERO;
+        self.energy = self.settings.tank.map_or(T::ZERO, |tank| tank.capacity());
+        self.port_energy = self.settings.port.map_or(T::ZERO, |_| self.energy);
         self.open_port();
         (self.ended, self.moved, self.phase_remainder) = (false, false, T::ZERO);
         (self.tare, self.debts) = (TareWindow::default(), Debts::UNREAD);
@@ -347,7 +372,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
 
     /// Goes to `goal` from now on: at once where nothing moves yet, without a jump in flight. Returns whether it does.
     fn retarget(&mut self, goal: [T; D]) -> bool {
-        let flying = match self.last.mode {
+        let flying = match self.mode {
             Mode::Idle => false,
             Mode::Run | Mode::Hold => true,
             Mode::Stop | Mode::Fault => return false,
@@ -359,11 +384,11 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if !self.settings.axes.iter().zip(&goal).all(inside) {
             return false;
         }
-        for ((state, command), goal) in self.axes.iter_mut().zip(&self.last.axes).zip(goal) {
+        for (state, goal) in self.axes.iter_mut().zip(goal) {
             if flying {
                 state.reference.retarget(goal);
             } else {
-                state.reference = Reference::at_rest(command.position, goal);
+                state.reference = Reference::at_rest(state.position, goal);
             }
         }
         true

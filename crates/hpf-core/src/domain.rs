@@ -43,7 +43,7 @@ pub const SHORTEST_STEP: f64 = 1e-6;
 /// The most that the longest step of a controller may be [s].
 pub const LONGEST_STEP: f64 = 1.0;
 
-/// The longest ramp of the rate [s]: a stop comes to rest within it.
+/// The longest ramp of the rate [s]: a stop stands still within it.
 pub const LONGEST_RAMP: f64 = 10.0;
 
 /// The longest time for which a bad input may be bridged [s].

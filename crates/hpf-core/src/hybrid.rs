@@ -3,17 +3,17 @@
 //! One step of `dt` [s] at `rate` r, per axis (the order is that of its parts, each exact for what it holds):
 //! 1. phase to mid-step: `s_m = s exp(-alpha_s r h/(2 tau))`; the bases are evaluated there, once for all axes
 //!    and once for the primitives that share one;
-//! 2. movement: the step of [`Transition`](crate::Transition) with F(s_m), second order;
+//! 2. movement: the exact step with F(s_m), second order;
 //! 3. admittance by the axis' [`Law`], with k(s_m), d(s_m), second order in the parameters; the measured force is held,
 //!    which is sampling, not integration;
 //! 4. phase to the end of the step.
 //!
-//! Phase and reference are sums of changes whose rounding is carried on: single precision serves skills of hours.
+//! Phase and reference are stepped as a controller steps them: sums of changes whose rounding is carried on, so that
+//! single precision serves skills of hours.
 
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
-use crate::compensated::{accumulate, accumulate_phase};
 use crate::domain::LARGEST;
-use crate::movement::Increment;
+use crate::reference::{Stride, advance};
 use crate::{Basis, ConfigError, Gain, Law, Movement, MovementState, Phase, Real, error};
 
 /// The three primitives of one axis and its law; `S` holds each primitive's weights.
@@ -151,6 +151,11 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         &self.phase
     }
 
+    /// The bases of movement, stiffness and damping.
+    pub fn bases(&self) -> [&Basis<T, S>; 3] {
+        [&self.movement_basis, &self.stiffness_basis, &self.damping_basis]
+    }
+
     /// The primitives and the law of each axis.
     pub fn axes(&self) -> &[AxisPrimitives<T, S>; D] {
         &self.axes
@@ -185,9 +190,9 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
             }
         };
         let mut profiles = [Profile { forcing: T::ZERO, stiffness: T::ZERO, damping: T::ZERO }; D];
-        let drive = self.phase.drive(s);
+        let gate = self.phase.gate(s);
         for ((profile, axis), &[movement, stiffness, damping]) in profiles.iter_mut().zip(&self.axes).zip(&mixed) {
-            *profile = Profile { forcing: axis.movement.forcing(drive, movement), stiffness, damping };
+            *profile = Profile { forcing: axis.movement.forcing(gate, movement), stiffness, damping };
         }
         profiles
     }
@@ -214,7 +219,7 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
     pub fn initial_state(&self) -> HybridState<T, D> {
         let axes = self.axes.each_ref();
         HybridState {
-            phase: T::ONE,
+            phase: self.phase.start(),
             phase_remainder: T::ZERO,
             axes: axes.map(|axis| AxisState {
                 reference: axis.movement.initial_state(),
@@ -236,23 +241,20 @@ impl<T: Real, S: AsRef<[T]>, const D: usize> HybridPrimitive<T, S, D> {
         let dt = if dt.is_finite() { dt.max(T::ZERO).min(largest) } else { T::ZERO };
         let duration = self.phase.duration();
 
-        let half = self.phase.change(rate, dt * T::of(0.5));
-        let middle = state.phase + state.phase * half;
+        let stride = Stride::new(&self.phase, &self.axes, rate, dt);
+        let middle = stride.half.middle(state.phase);
         let profiles = self.at(middle);
-        let change = (state.phase + middle) * half;
-        accumulate_phase(&mut state.phase, &mut state.phase_remainder, change);
+        stride.half.advance(&mut state.phase, &mut state.phase_remainder, middle, T::ONE);
 
         let mut commands =
             [AxisCommand { position: T::ZERO, velocity: T::ZERO, stiffness: T::ZERO, damping: T::ONE }; D];
         let slots = commands.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(measured_force).zip(profiles);
-        for ((((command, state), axis), force), Profile { forcing, stiffness, damping }) in slots {
+        for (((((command, state), axis), force), profile), step) in slots.zip(&stride.axes) {
+            let Profile { forcing, stiffness, damping } = profile;
             let damping = axis.law.damping(stiffness, damping);
-            let step = Increment::new(axis.movement.alpha(), rate * dt / duration);
-            let MovementState { position, scaled_velocity } = &mut state.reference;
-            let distance = (*position - axis.movement.goal()) + state.remainder.position;
-            let change = step.of(distance, *scaled_velocity, forcing);
-            accumulate(position, &mut state.remainder.position, change.position);
-            accumulate(scaled_velocity, &mut state.remainder.scaled_velocity, change.scaled_velocity);
+            let distance = (state.reference.position - axis.movement.goal()) + state.remainder.position;
+            let change = step.of(distance, state.reference.scaled_velocity, forcing);
+            advance(&mut state.reference, &mut state.remainder, &change, T::ONE);
             let mut give = T::ZERO;
             if !force.is_finite() {
                 state.offset_velocity = T::ZERO;

@@ -18,6 +18,7 @@ pub mod packed;
 pub mod passivity;
 pub mod phase;
 mod real;
+mod reference;
 
 pub use admittance::{Damping, Law};
 pub use basis::Basis;
@@ -26,5 +27,6 @@ pub use gain::Gain;
 pub use hybrid::{AxisCommand, AxisPrimitives, AxisState, HybridPrimitive, HybridState, Profile};
 pub use lanes::Lanes;
 pub use movement::{Movement, MovementState, Transition};
-pub use phase::Phase;
+pub use phase::{Phase, PhasePoint};
 pub use real::Real;
+pub use reference::PlannedReference;

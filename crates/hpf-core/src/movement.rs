@@ -1,8 +1,8 @@
 //! Movement primitive: a critically damped pull to the goal, bent by a learned forcing term (a discrete DMP).
 //!
 //! Equation: `tau^2 x'' = alpha (beta (g - x) - tau x') + F(s)`, `beta = alpha/4`, `F(s) = s A sum_i w_i phi_i(s)`
-//! (the paper's Eq. 3 and 7, which disagree in one tau; this is the consistent form). After the duration s is replaced by
-//! [`Phase::drive`](crate::Phase::drive), which fades to exactly zero.
+//! (the paper's Eq. 3 and 7, which disagree in one tau; this is the consistent form). The factor s is the gate of a
+//! decaying phase, [`Phase::gate`](crate::Phase::gate): after the duration it fades to exactly zero.
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
@@ -84,11 +84,11 @@ impl<T: Real, S: AsRef<[T]>> Movement<T, S> {
         self.weights.as_ref()
     }
 
-    /// The forcing term `F = drive A sum_i w_i phi_i(s)` at phase s, given its [`drive`](crate::Phase::drive) and the
-    /// mixture of the weights there.
+    /// The forcing term `F = gamma A sum_i w_i phi_i(s)`, given the [`gate`](crate::Phase::gate) gamma and the mixture of
+    /// the weights at phase s.
     #[inline(always)]
-    pub fn forcing(&self, drive: T, mixed_weights: T) -> T {
-        drive * self.forcing_scale * mixed_weights
+    pub fn forcing(&self, gate: T, mixed_weights: T) -> T {
+        gate * self.forcing_scale * mixed_weights
     }
 
     /// The state at the start: at rest at `start`.

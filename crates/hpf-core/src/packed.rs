@@ -1,4 +1,5 @@
-//! A skill as a few bytes: written by `hpf export --format binary`, read on a robot without allocation.
+//! A skill as a few bytes: written from its parts ([`Contents`]), by `hpf export --format binary` for one, and read on a
+//! robot ([`Packed`]), both without allocation.
 //!
 //! Little-endian, no padding, at any alignment. With w the width of a number (4 or 8 bytes) and n_m, n_k, n_d functions
 //! in the bases of movement, stiffness and damping:
@@ -27,9 +28,17 @@
 //! A basis of the time family (see [`basis`](crate::basis)) has in place of its widths what a function has fallen to j
 //! spacings from its center; for j = 0, where that is 1, its overlap.
 
-use core::{array, fmt, iter, mem};
+mod axis;
+mod read;
+mod write;
 
-use crate::{AxisPrimitives, Basis, ConfigError, Gain, HybridPrimitive, Law, Movement, Phase, Real};
+pub use axis::{PackedAxis, PackedGain};
+pub use read::Packed;
+pub use write::Contents;
+
+use core::fmt;
+
+use crate::ConfigError;
 
 /// The first bytes of a packed skill.
 pub const MAGIC: [u8; 4] = *b"HPFS";
@@ -187,6 +196,11 @@ impl Head {
         self.storage().saturating_add(2 + (8 + self.law_numbers()) * usize::from(self.axes))
     }
 
+    /// Numbers before those of the first axis: of the phase and the bases.
+    fn front_numbers(&self) -> usize {
+        self.functions_in_all().saturating_mul(2).saturating_add(2)
+    }
+
     /// Numbers of the law of an axis, the last of its numbers: 3, none in version 1.
     pub fn law_numbers(&self) -> usize {
         if self.version == WITHOUT_LAWS { 0 } else { LAW_NUMBERS }
@@ -227,8 +241,8 @@ impl Head {
         }
     }
 
-    /// Writes a packed skill of this head into `out`, which is [`length`](Self::length) bytes: `numbers` in the order of
-    /// the table above, of which there are [`numbers`](Self::numbers).
+    /// Writes a packed skill of this head into `out`, which is [`length`](Self::length) bytes: bare `numbers` in the order
+    /// of the table above, of which there are [`numbers`](Self::numbers). A skill is written by [`Contents::pack`].
     ///
     /// # Errors
     /// [`PackedError`] for a version or a number of axes, bytes or numbers that is not the right one, and for a number that is not
@@ -272,177 +286,6 @@ impl Head {
         *sum = crc32(body).to_le_bytes();
         Ok(())
     }
-}
-
-/// A packed skill whose bytes are intact, borrowed where it lies.
-///
-/// ```
-/// use hpf_core::packed::{Head, Packed, Scalar, VERSION};
-/// let head = Head {
-///     version: VERSION,
-///     scalar: Scalar::Single,
-///     axes: 1,
-///     functions: [2; 3],
-///     rotary: 0,
-///     in_time: [false; 3],
-/// };
-/// let basis = [1.0, 0.1, 2.0, 2.0]; // centers, widths
-/// let axis = [0.0, 0.3, 25.0, 1.0, 5.0, -5.0, 30.0, 400.0, 100.0, 200.0, 10.0, 100.0, 50.0, 50.0];
-/// let law = [2.0, 0.0, 0.0]; // 2 kg, damping from its primitive
-/// let numbers = [&[1.5, 2.3][..], &basis, &basis, &basis, &axis, &law].concat();
-/// let mut bytes = [0; 144];
-/// assert_eq!(head.length(), bytes.len());
-/// head.pack(numbers, &mut bytes)?;
-///
-/// let skill = Packed::parse(&bytes)?.skill::<f32, 2, 1>()?; // lists of 2, 1 axis
-/// assert_eq!(skill.axes()[0].movement.goal(), 0.3);
-/// assert_eq!(skill.axes()[0].law.mass(), 2.0);
-/// bytes[40] ^= 1;
-/// assert!(Packed::parse(&bytes).is_err());
-/// # Ok::<(), hpf_core::packed::PackedError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Packed<'a> {
-    head: Head,
-    numbers: &'a [u8],
-}
-
-impl<'a> Packed<'a> {
-    /// Checks head, length and checksum of `bytes`.
-    ///
-    /// # Errors
-    /// [`PackedError`] for bytes that are no packed skill of this version, cut, lengthened or damaged.
-    pub fn parse(bytes: &'a [u8]) -> Result<Self, PackedError> {
-        let short = PackedError::Length { found: bytes.len(), expected: HEAD + CHECKSUM };
-        let (body, sum) = bytes.split_last_chunk::<CHECKSUM>().ok_or(short)?;
-        let (head, numbers) = body.split_first_chunk::<HEAD>().ok_or(short)?;
-        let head = Head::parse(*head)?;
-        let (found, expected) = (bytes.len(), head.length());
-        if found != expected {
-            return Err(PackedError::Length { found, expected });
-        }
-        let (found, computed) = (u32::from_le_bytes(*sum), crc32(body));
-        if found != computed {
-            return Err(PackedError::Checksum { found, computed });
-        }
-        Ok(Self { head, numbers })
-    }
-
-    /// What is in it.
-    pub fn head(&self) -> &Head {
-        &self.head
-    }
-
-    /// Its numbers, in the order of the table above.
-    pub fn values<T: Real>(&self) -> impl Iterator<Item = T> + use<'a, T> {
-        let (scalar, mut rest) = (self.head.scalar, self.numbers);
-        iter::from_fn(move || match scalar {
-            Scalar::Single => {
-                let (bytes, next) = rest.split_first_chunk()?;
-                rest = next;
-                Some(T::of(f32::from_le_bytes(*bytes).into()))
-            }
-            Scalar::Double => {
-                let (bytes, next) = rest.split_first_chunk()?;
-                rest = next;
-                Some(T::of(f64::from_le_bytes(*bytes)))
-            }
-        })
-    }
-
-    /// The skill, its lists in arrays of its own: all three bases have `N` functions.
-    ///
-    /// # Errors
-    /// [`PackedError`] for another number of axes or functions, and for numbers that cannot be.
-    pub fn skill<T: Real, const N: usize, const D: usize>(&self) -> Result<HybridPrimitive<T, [T; N], D>, PackedError> {
-        self.build(|numbers, found| {
-            if found != N {
-                return Err(PackedError::Functions { found, expected: N });
-            }
-            let mut list = [T::ZERO; N];
-            list.iter_mut().zip(numbers).for_each(|(slot, number)| *slot = number);
-            Ok(list)
-        })
-    }
-
-    /// The skill, its lists in `storage`, which has room for [`Head::storage`] numbers or more.
-    ///
-    /// # Errors
-    /// [`PackedError`] for another number of axes, a storage too small, and numbers that cannot be.
-    pub fn skill_in<'s, T: Real, const D: usize>(
-        &self,
-        storage: &'s mut [T],
-    ) -> Result<HybridPrimitive<T, &'s [T], D>, PackedError> {
-        let small = PackedError::Storage { found: storage.len(), needed: self.head.storage() };
-        let mut free = storage;
-        self.build(|numbers, count| {
-            let (list, rest) = mem::take(&mut free).split_at_mut_checked(count).ok_or(small)?;
-            free = rest;
-            list.iter_mut().zip(numbers).for_each(|(slot, number)| *slot = number);
-            Ok(&*list)
-        })
-    }
-
-    /// The skill, each list stored by `store`, which takes as many numbers as it is told.
-    fn build<T: Real, S: AsRef<[T]> + Copy, const D: usize>(
-        &self,
-        mut store: impl FnMut(&mut dyn Iterator<Item = T>, usize) -> Result<S, PackedError>,
-    ) -> Result<HybridPrimitive<T, S, D>, PackedError> {
-        let found = usize::from(self.head.axes);
-        if found != D {
-            return Err(PackedError::Axes { found, expected: D });
-        }
-        let counts @ [movement, stiffness, damping] = self.head.functions.map(usize::from);
-        let mut values = self.values::<T>();
-        let values: &mut dyn Iterator<Item = T> = &mut values;
-        let phase = Phase::new(one(values), one(values))?;
-        let decay = phase.decay();
-        let mut basis = |count: usize, in_time: bool, values: &mut dyn Iterator<Item = T>| {
-            let centers = store(values, count)?;
-            if in_time {
-                let overlap = one(values);
-                let falls = store(&mut iter::once(T::ONE).chain(values), count)?;
-                return Ok::<_, PackedError>(Basis::stored_in_time(decay, overlap, centers, falls)?);
-            }
-            Ok(Basis::new(centers, store(values, count)?)?)
-        };
-        let ([m, k, d], [m_in_time, k_in_time, d_in_time]) = (counts, self.head.in_time);
-        let bases = [basis(m, m_in_time, values)?, basis(k, k_in_time, values)?, basis(d, d_in_time, values)?];
-        let mut axis = || {
-            let [start, goal, alpha, scale] = [one(values), one(values), one(values), one(values)];
-            let movement = Movement::new(start, goal, alpha, scale, store(values, movement)?)?;
-            let [min, max] = [one(values), one(values)];
-            let stiffness = Gain::new(min, max, store(values, stiffness)?)?;
-            let [min, max] = [one(values), one(values)];
-            let damping = Gain::new(min, max, store(values, damping)?)?;
-            let law = match self.head.version {
-                WITHOUT_LAWS => Law::FirstOrder,
-                _ => Law::of(one(values), one(values), one(values))?,
-            };
-            Ok::<_, PackedError>(AxisPrimitives { movement, stiffness, damping, law })
-        };
-        // An array cannot be left half built: after a refusal the rest of it repeats the first axis, and is dropped.
-        let first = axis()?;
-        let mut refused = None;
-        let axes = array::from_fn(|i| {
-            if i == 0 || refused.is_some() {
-                return first;
-            }
-            axis().unwrap_or_else(|error| {
-                refused = Some(error);
-                first
-            })
-        });
-        match refused {
-            Some(error) => Err(error),
-            None => Ok(HybridPrimitive::new(phase, bases, axes)?),
-        }
-    }
-}
-
-/// The next number; the head has said that there is one.
-fn one<T: Real>(values: &mut dyn Iterator<Item = T>) -> T {
-    values.next().unwrap_or(T::ZERO)
 }
 
 /// CRC-32 (IEEE 802.3) of `bytes`, without a table: a skill is read once.

@@ -19,6 +19,7 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 /// ```
 pub trait Real:
     Copy
+    + PartialEq
     + 'static
     + Debug
     + Add<Output = Self>

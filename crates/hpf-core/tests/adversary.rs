@@ -184,7 +184,7 @@ macro_rules! adversary {
                 let mut attack = Attack::draw(&mut dice);
                 let mut base = [0.0; D];
                 // What is known of the past from outside.
-                let mut last: Output<$float, D> = *arm.output();
+                let mut last: Output<$float, D> = arm.output();
                 let mut velocity = [0.0_f64; D];
                 let mut started = false;
                 let [mut force_owed, mut position_owed, mut rate_owed, mut clock_owed] = [Owed::default(); 4];

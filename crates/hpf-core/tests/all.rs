@@ -24,5 +24,6 @@ mod port;
 mod properties;
 mod rates;
 mod reference;
+mod stepper;
 mod support;
 mod tare;

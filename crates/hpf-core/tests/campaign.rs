@@ -214,7 +214,7 @@ macro_rules! campaign {
                     if dice.one_in(100) {
                         force = [dice.within(-60.0, 60.0), dice.within(-60.0, 60.0)];
                     }
-                    let mut last = *arm.output();
+                    let mut last = arm.output();
                     let dt = if dice.one_in(50) { nasty(&mut dice, -1e-3, 0.05) } else { nasty(&mut dice, 5e-4, 2e-3) };
                     let input = input(&mut dice, force, &last);
                     let now = arm.update(&input, dt);

@@ -235,9 +235,9 @@ fn phase_is_its_exponential_for_any_number_of_steps() {
         // A thousand relative roundings of 1e-16.
         assert_close(s / 0.01, 1.0, 2e-13);
     }
-    assert_close(phase.at(1.25), 0.1, 1e-16);
+    assert_close(phase.at(1.25).s, 0.1, 1e-16);
     assert_eq!(phase.step(0.37, 0.0, 5.0), 0.37); // rate 0: time stands still
-    assert!(phase.at(50.0) > 0.0 && phase.at(50.0) < 1e-39); // past the end it goes on decaying
+    assert!(phase.at(50.0).s > 0.0 && phase.at(50.0).s < 1e-39); // past the end it goes on decaying
 }
 
 /// Position and phase at the end of a movement whose forcing is `60 s`, each step with its own rate and length.
@@ -319,10 +319,10 @@ fn after_its_duration_the_forcing_fades_to_exactly_zero() {
         assert!((profile.forcing - s * 0.3 * mixed).abs() <= 1e-12 * profile.forcing.abs(), "at {i} % of the duration");
     }
     // Between, |F| falls from its value at T, whatever the mixture does, without a jump or a kink at either end.
-    let gate = |t: f64| phase.drive(phase.at(2.0 * t)) / phase.at(2.0 * t);
-    let gates: Vec<f64> = (0..=1000).map(|i| gate(1.0 + 1e-4 * f64::from(i))).collect();
-    assert!(gates.windows(2).all(|pair| pair[1] <= pair[0]) && gates[0] == 1.0 && gates[1000] == 0.0);
-    assert!(1.0 - gates[1] < 1e-5 && gates[999] < 1e-5, "{} {}", gates[1], gates[999]);
+    let fade = |t: f64| phase.at(2.0 * t).gate / phase.at(2.0 * t).s;
+    let fades: Vec<f64> = (0..=1000).map(|i| fade(1.0 + 1e-4 * f64::from(i))).collect();
+    assert!(fades.windows(2).all(|pair| pair[1] <= pair[0]) && fades[0] == 1.0 && fades[1000] == 0.0);
+    assert!(1.0 - fades[1] < 1e-5 && fades[999] < 1e-5, "{} {}", fades[1], fades[999]);
 
     let dt = 1e-3;
     let mut state = skill.initial_state();

@@ -58,7 +58,7 @@ impl<const D: usize> Books<D> {
     }
 
     fn step(&mut self, force: [f64; D]) -> Output<f64, D> {
-        let before = *self.controller.output();
+        let before = self.controller.output();
         let output = self.controller.update(&input(force), self.dt);
         for (axis, before) in output.axes.iter().zip(&before.axes) {
             self.work += axis.force * (axis.position - before.position);
@@ -111,7 +111,7 @@ fn the_environment_never_gets_more_than_the_tank_can_spend() {
                         let mut books = Books::new(skill(law), settings(compliance, tank), dt);
                         let press = if let Compliance::Press(press) = compliance { press } else { 20.0 };
                         for i in 0..3000 {
-                            let last = *books.controller.output();
+                            let last = books.controller.output();
                             let output = books.step([force(i, press, &last)]);
                             assert!(output.energy >= reserve - 1e-12, "{output:?}");
                         }
@@ -132,7 +132,7 @@ fn several_pressing_axes_share_one_tank() {
             let settings = settings(Compliance::Press(30.0), tank(0.1, 0.0, 1.0));
             let mut books = Books::<3>::new(skill(law), settings, dt);
             for i in 0..3000 {
-                let last = *books.controller.output();
+                let last = books.controller.output();
                 books.step(core::array::from_fn(|axis| match axis {
                     0 => -24.0,
                     1 => -20.0 * last.axes[axis].velocity.signum(),
@@ -157,7 +157,7 @@ fn new_settings_in_flight_make_no_energy() {
                         let compliance = COMPLIANCES[i / 13 % COMPLIANCES.len()];
                         books.controller.set(settings(compliance, tank)).unwrap();
                     }
-                    let last = *books.controller.output();
+                    let last = books.controller.output();
                     let output = books.step([TAKERS[i / 500 % TAKERS.len()](i, 20.0, &last)]);
                     assert!(output.energy >= reserve - 1e-12, "{output:?}");
                 }
@@ -269,7 +269,7 @@ fn limits_of_motion_come_first_and_the_books_say_what_they_cost() {
                         tight.axes[0].limits = limits;
                         let mut books = Books::new(skill(law), tight, dt);
                         for i in 0..2000 {
-                            let last = *books.controller.output();
+                            let last = books.controller.output();
                             let before = books.hits;
                             let output = books.step([force(i, 20.0, &last)]);
                             // The promise with what is left in place of the reserve, whatever was cut.
@@ -301,7 +301,7 @@ fn a_debt_goes_with_its_tank() {
             tight.axes[0].limits = limits;
             let mut books = Books::new(skill(law), tight, 1e-2);
             for i in 0..2000 {
-                let last = *books.controller.output();
+                let last = books.controller.output();
                 if books.step([force(i, 20.0, &last)]).energy < 0.0 {
                     indebted += 1;
                     break;

@@ -58,7 +58,7 @@ fn tick(arm: &mut Arm, sources: &[Source]) -> Output<f64, 2> {
     arm.step()
 }
 
-/// The most ticks to a fault: what is owed reaches the limit, then the rate comes to rest by the ramp.
+/// The most ticks to a fault: what is owed reaches the limit, then the rate falls to zero by the ramp.
 fn limit(source: Source, pattern: Pattern, settings: &Settings<f64, 2>) -> f64 {
     let timing = &settings.timing;
     let ramp = timing.ramp / DT;
@@ -96,7 +96,7 @@ fn each_input_that_stays_bad_becomes_a_fault_in_time_in_every_mode() {
                 for i in 0..3000 {
                     tick(&mut arm, &bad(i));
                 }
-                let output = *arm.controller.output();
+                let output = arm.controller.output();
                 assert_eq!((output.mode, output.axes.map(|axis| axis.position)), (Mode::Fault, at), "{source:?}");
                 assert_eq!((output.rate, output.axes.map(|axis| axis.velocity)), (0.0, [0.0; 2]));
             }
@@ -193,7 +193,7 @@ fn bursts_with_long_pauses_become_a_fault_too() {
 #[test]
 fn velocity_is_zero_while_the_command_stands_still_and_motion_starts_from_rest() {
     let mut arm = moving(Mode::Run);
-    let before = *arm.controller.output();
+    let before = arm.controller.output();
     assert!(before.axes[0].velocity.abs() > 0.05);
     for dt in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-7, f64::MIN_POSITIVE] {
         arm.dt = dt;
@@ -203,7 +203,7 @@ fn velocity_is_zero_while_the_command_stands_still_and_motion_starts_from_rest()
         assert_eq!(output.axes.map(|axis| axis.position), before.axes.map(|axis| axis.position));
     }
     arm.dt = DT;
-    let mut last = *arm.controller.output();
+    let mut last = arm.controller.output();
     for _ in 0..300 {
         let output = arm.step();
         for (now, last) in output.axes.iter().zip(&last.axes) {

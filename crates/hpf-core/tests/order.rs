@@ -98,7 +98,7 @@ fn gentle(steps: usize) -> Vec<f64> {
     let mut state = movement.initial_state();
     (0..steps)
         .map(|i| {
-            let middle = phase.at((i as f64 + 0.5) * dt);
+            let middle = phase.at((i as f64 + 0.5) * dt).s;
             let [mixed] = basis.mix(middle, [movement.weights()]);
             transition.apply(&mut state, movement.goal(), movement.forcing(middle, mixed));
             state.position
@@ -148,7 +148,7 @@ fn skill_basis() -> Basis<f64, Vec<f64>> {
 fn exact_skill(t: f64) -> [f64; 3] {
     let (skill, basis) = (skill(), skill_basis());
     runge_kutta([0.1, 0.0, 0.0], 0.0, t, 4000, |t, [x, v, e]| {
-        let [forcing, k, d] = profiles(&skill, &basis, skill.phase().at(t));
+        let [forcing, k, d] = profiles(&skill, &basis, skill.phase().at(t).s);
         [v, (ALPHA * (ALPHA / 4.0 * (0.6 - x) - TAU * v) + forcing) / (TAU * TAU), (FORCE - k * e) / d]
     })
 }
@@ -192,7 +192,7 @@ fn varying_gain_error(steps: usize, lead: f64) -> f64 {
     let (skill, basis) = (skill(), skill_basis());
     let dt = 1.0 / steps as f64;
     let offset = (0..steps).fold(0.0, |offset, i| {
-        let [_, k, d] = profiles(&skill, &basis, skill.phase().at((i as f64 + lead) * dt));
+        let [_, k, d] = profiles(&skill, &basis, skill.phase().at((i as f64 + lead) * dt).s);
         step_offset(offset, k, d, FORCE, dt)
     });
     (offset - exact_skill(1.0)[2]).abs()

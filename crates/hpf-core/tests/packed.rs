@@ -1,7 +1,7 @@
 //! Packed skills: what goes in comes out, and nothing damaged does.
 
-use hpf_core::packed::{Head, Packed, PackedError, Scalar, VERSION, crc32};
-use hpf_core::{Basis, ConfigError, Damping, HybridPrimitive, Law};
+use hpf_core::packed::{Contents, Head, Packed, PackedError, Scalar, VERSION, crc32};
+use hpf_core::{Basis, ConfigError, Damping, HybridPrimitive, Law, Real};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -117,6 +117,106 @@ fn the_skill_has_each_list_in_its_place() {
     let ratio = Damping::Ratio { ratio: 0.7, floor: 5.0 };
     let [first, second] = [(2.5, Damping::Primitive), (0.5, ratio)];
     assert_eq!(laws, [first, second].map(|(mass, damping)| Law::SecondOrder { mass, damping }));
+}
+
+#[test]
+fn each_axis_is_read_number_by_number() {
+    for scalar in [Scalar::Single, Scalar::Double] {
+        let held = |number: f64| if scalar == Scalar::Single { f64::from(number as f32) } else { number };
+        let bytes = packed(scalar);
+        let packed = Packed::parse(&bytes).unwrap();
+        assert_eq!((packed.duration(), packed.axes().count()), (held(1.7), 2));
+        let axis = packed.axes().nth(1).unwrap();
+        assert_eq!([axis.start, axis.goal, axis.alpha, axis.forcing_scale], [0.1 * -0.7, -0.7, 25.0, 0.9].map(held));
+        assert!(axis.weights().eq([30.3, -11.7, 8.1, 40.0].map(held)) && axis.is_rotary);
+        assert_eq!(
+            [axis.stiffness.min, axis.stiffness.max, axis.damping.min, axis.damping.max],
+            [30.0, 400.0, 10.0, 100.0]
+        );
+        assert!(axis.stiffness.weights().eq([100.0 - 0.7, 200.0, 399.9].map(held)));
+        assert!(axis.damping.weights().eq([20.0 - 0.7, 55.5].map(held)));
+        assert_eq!(axis.law, [0.5, 0.7, 5.0].map(held));
+        assert!(!packed.axes().next().unwrap().is_rotary);
+    }
+}
+
+/// Bytes of a skill of two axes, its bases of the families asked for, and the skill.
+fn written<T: Real>(in_time: [bool; 3]) -> (Vec<u8>, HybridPrimitive<T, [T; 5], 2>) {
+    let basis = |in_time: bool| {
+        let make = if in_time { Basis::equally_spaced_in_time } else { Basis::equally_spaced };
+        make(T::of(4.605), T::of(0.6), [T::ZERO; 5], [T::ZERO; 5]).unwrap()
+    };
+    let bytes = {
+        let (head, functions) = (example(Scalar::Double).0, [5; 3]);
+        let head = Head { functions, ..head };
+        let mut numbers = vec![1.7, 4.605];
+        numbers.extend((0..30).map(|i| if i % 10 < 5 { 1.0 - 0.1 * f64::from(i % 10) } else { 3.0 }));
+        for axis in [1.0, -0.7] {
+            numbers.extend([0.1 * axis, axis, 25.0, 0.9, 30.3, -11.7, 8.1, -0.0, 1e-12]);
+            numbers.extend([30.0, 400.0, 100.0 + axis, 200.0, 399.9, 30.0, 31.0]);
+            numbers.extend([10.0, 100.0, 20.0 + axis, 55.5, 10.0, 11.0, 12.0]);
+            numbers.extend(if axis > 0.0 { [2.5, 0.0, 0.0] } else { [0.5, 0.7, 5.0] });
+        }
+        let mut bytes = vec![0; head.length()];
+        head.pack(numbers, &mut bytes).unwrap();
+        bytes
+    };
+    let axes = *Packed::parse(&bytes).unwrap().skill::<T, 5, 2>().unwrap().axes();
+    let phase = hpf_core::Phase::new(T::of(1.7), T::of(4.605)).unwrap();
+    let skill = HybridPrimitive::new(phase, in_time.map(basis), axes).unwrap();
+    let contents = Contents::of(&skill, 0b10);
+    let mut bytes = vec![0; contents.head().unwrap().length()];
+    contents.pack(&mut bytes).unwrap();
+    (bytes, skill)
+}
+
+#[test]
+fn a_skill_comes_back_whole_from_its_bytes_in_both_scalars_and_families() {
+    fn check<T: Real>(scalar: Scalar) {
+        for families in 0..8 {
+            let in_time = [1, 2, 4].map(|bit| families & bit != 0);
+            let (bytes, skill) = written::<T>(in_time);
+            let packed = Packed::parse(&bytes).unwrap();
+            let head = Head { version: VERSION, scalar, axes: 2, functions: [5; 3], rotary: 0b10, in_time };
+            assert_eq!(packed.head(), &head);
+            assert_eq!(packed.skill::<T, 5, 2>().unwrap(), skill);
+            // A weight of -0 is none of 0.
+            let weights: Vec<u64> = packed.axes().next().unwrap().weights().map(f64::to_bits).collect();
+            assert_eq!(weights[3], (-0.0_f64).to_bits());
+        }
+    }
+    check::<f32>(Scalar::Single);
+    check::<f64>(Scalar::Double);
+}
+
+#[test]
+fn parts_that_no_packed_skill_can_have_are_refused_before_a_byte_is_written() {
+    let (bytes, skill) = written::<f64>([false; 3]);
+    let contents = Contents::of(&skill, 0);
+    let mut out = [7; 9];
+    let expected = bytes.len();
+    assert_eq!(contents.pack(&mut out), Err(PackedError::Length { found: 9, expected }));
+    let none = Contents { axes: &[], ..contents };
+    assert_eq!(none.pack(&mut out), Err(PackedError::Axes { found: 0, expected: 16 }));
+    let axes = [skill.axes()[0]; 300];
+    let many = Contents { axes: &axes, ..contents };
+    assert_eq!(many.pack(&mut out), Err(PackedError::Axes { found: 300, expected: 16 }));
+    let lists = |count: usize| (0..count).map(|i| 1.0 - i as f64 / count as f64).collect::<Vec<f64>>();
+    let basis = |count| Basis::new(lists(count), vec![1.0; count]).unwrap();
+    let axis = skill.axes()[0];
+    let axis = hpf_core::AxisPrimitives {
+        movement: hpf_core::Movement::new(0.0, 1.0, 25.0, 1.0, lists(5)).unwrap(),
+        stiffness: hpf_core::Gain::new(30.0, 400.0, vec![40.0; 5]).unwrap(),
+        damping: hpf_core::Gain::new(10.0, 100.0, vec![40.0; 5]).unwrap(),
+        law: axis.law,
+    };
+    let (five, six, huge) = (basis(5), basis(6), basis(70_000));
+    let uneven = Contents { phase: skill.phase(), bases: [&five, &six, &five], axes: &[axis.clone()], rotary: 0 };
+    let refused = ConfigError::LengthMismatch { field: "stiffness.weights", found: 5, expected: 6 };
+    assert_eq!(uneven.pack(&mut out), Err(PackedError::Config(refused)));
+    let large = Contents { bases: [&huge, &five, &five], axes: &[axis], ..uneven };
+    assert_eq!(large.pack(&mut out), Err(PackedError::Functions { found: 70_000, expected: 65_535 }));
+    assert_eq!(out, [7; 9]);
 }
 
 #[test]

@@ -116,7 +116,7 @@ fn run(law: Law<f64>, settings: Settings<f64, 1>, plant: Plant, mut environment:
         port_energy: f64::MAX,
         force: 0.0,
         travelled: 0.0,
-        last: *controller.output(),
+        last: controller.output(),
     };
     let (mut x, mut v) = (0.0_f64, 0.0_f64);
     let h = DT / FINE as f64;

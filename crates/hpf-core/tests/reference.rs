@@ -42,7 +42,7 @@ fn features_and_forcing_agree() {
     let phase = Phase::new(1.0, constants["decay"].as_f64().unwrap()).unwrap();
     let mut features = [0.0; N];
     for row in table(include_str!("data/features.csv")) {
-        let s = phase.at(row[0]);
+        let s = phase.at(row[0]).s;
         basis.features_into(s, &mut features);
         for (phi, theirs) in features.iter().zip(&row[1..]) {
             assert!((s * phi - theirs).abs() < 1e-12, "{phi} {theirs} at {}", row[0]);

@@ -216,7 +216,7 @@ fn rollout_error(steps: usize, count: usize, start: f64, goal: f64) -> f64 {
     let forcing = movement_forcing(&path, goal, ALPHA, dt);
     let phase = Phase::new(1.0, decay()).unwrap();
     let scale = goal - start;
-    let middle: Vec<f64> = (0..steps).map(|i| phase.at((i as f64 + 0.5) * dt)).collect();
+    let middle: Vec<f64> = (0..steps).map(|i| phase.at((i as f64 + 0.5) * dt).s).collect();
     let mut features = vec![0.0; steps * count];
     for (row, &s) in features.chunks_exact_mut(count).zip(&middle) {
         basis.features_into(s, row);

@@ -234,7 +234,7 @@ fn certify(
     let steps = (duration * conditions.rate).round().max(1.0) as usize;
     let gains: Vec<(f64, f64)> = (0..2 * steps)
         .map(|step| {
-            let [profile] = skill.at(skill.phase().at((step as f64 + 0.5) * h));
+            let [profile] = skill.at(skill.phase().at((step as f64 + 0.5) * h).s);
             (profile.stiffness, profile.damping)
         })
         .collect();

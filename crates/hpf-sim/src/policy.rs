@@ -313,9 +313,12 @@ impl Policy {
         Ok(())
     }
 
-    /// The phase.
-    pub(crate) fn phase(&self) -> Result<Phase<f64>, ConfigError> {
-        Phase::new(self.duration_s, self.phase.decay)
+    /// The phase in the scalar `T`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where a number cannot be in `T`.
+    pub fn phase<T: Real>(&self) -> Result<Phase<T>, ConfigError> {
+        Phase::new(T::of(self.duration_s), T::of(self.phase.decay))
     }
 
     /// The bases of movement, stiffness and damping in the scalar `T`.
@@ -342,6 +345,17 @@ impl Policy {
     /// # Errors
     /// [`ConfigError`] where the policy has another number of axes, and where one of its numbers cannot be in `T`.
     pub fn to_hybrid_of<T: Real, const D: usize>(&self) -> Result<HybridPrimitive<T, Vec<T>, D>, ConfigError> {
+        let axes = self.primitives()?;
+        let found = axes.len();
+        let axes = axes.try_into().map_err(|_| ConfigError::LengthMismatch { field: "axes", found, expected: D })?;
+        HybridPrimitive::new(self.phase()?, self.bases()?, axes)
+    }
+
+    /// The primitives and the law of each axis in the scalar `T`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where a number cannot be in `T`.
+    pub fn primitives<T: Real>(&self) -> Result<Vec<AxisPrimitives<T, Vec<T>>>, ConfigError> {
         let list = |numbers: &[f64]| -> Vec<T> { numbers.iter().map(|&number| T::of(number)).collect() };
         let gain = |gain: &GainPolicy| Gain::new(T::of(gain.min), T::of(gain.max), list(&gain.weights));
         let axes = self.axes.iter().enumerate().map(|(i, axis)| {
@@ -355,11 +369,7 @@ impl Policy {
                 law: self.admittance.law(i),
             })
         });
-        let axes: Vec<_> = axes.collect::<Result<_, ConfigError>>()?;
-        let found = axes.len();
-        let axes = axes.try_into().map_err(|_| ConfigError::LengthMismatch { field: "axes", found, expected: D })?;
-        let phase = Phase::new(T::of(self.duration_s), T::of(self.phase.decay))?;
-        HybridPrimitive::new(phase, self.bases()?, axes)
+        axes.collect()
     }
 
     /// The same policy with one of its axes alone.

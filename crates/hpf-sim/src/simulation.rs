@@ -1,15 +1,15 @@
 //! Rollouts: a skill in its environment.
 //!
 //! A rollout goes on after the duration, over [`Task::rest_time`]: the forcing term fades, forces follow their
-//! definition, contact persists, and the tool is to come to rest. The phase is known in advance, so the bases are evaluated once per task, at every half step; all rollouts share
-//! the tables. Each step goes through the kernels of `hpf-core` that a control loop runs: [`Transition`] for the
+//! definition, contact persists, and the tool settles. The phase is known in advance, so the bases are evaluated once per task, at every half step; all rollouts share
+//! the tables. Each step goes through the kernels of `hpf-core`: [`PlannedReference`] for the
 //! reference, [`relax`] for the tool. Known forces run linearly over a step and contacts are solved together with
 //! the admittance law; where the tool meets or leaves a surface inside a step, the step is split there.
 //!
 //! There is one implementation, over [`Lanes`]: a batch is stepped in several, one rollout with a trace in one. Each
 //! lane has the same bits in both.
 //!
-//! [`Transition`]: hpf_core::Transition
+//! [`PlannedReference`]: hpf_core::PlannedReference
 //! [`relax`]: hpf_core::admittance::relax
 //! [`Lanes`]: hpf_core::Lanes
 
@@ -22,12 +22,13 @@ mod measured;
 mod motion;
 mod plant;
 mod profiles;
+mod roll;
 mod scenario;
 mod table;
 mod tool;
 
+use hpf_core::ConfigError;
 use hpf_core::admittance::Inertial;
-use hpf_core::{ConfigError, Lanes, Real as _};
 use hpf_learn::instructions::Instructions;
 use hpf_learn::{Block, Cost, Parameters, SignalModel};
 
@@ -35,19 +36,16 @@ use crate::cost::{CostModel, Term};
 use crate::policy::Policy;
 use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
-use inertial::{FreeInertial, TouchingInertial};
-use measured::Measured;
-use motion::{Reference, Tool, roll};
+use motion::Reference;
 use plant::Robot;
-use profiles::{Profiles, Tables};
+use profiles::Tables;
 pub use scenario::disturbances;
-use scenario::{AxisScenario, Scenario, Set};
+use scenario::{Scenario, Set};
 use table::Table;
-use tool::{ContactModel, Free, Touching};
+use tool::ContactModel;
 
 pub(crate) use batch::LANES;
 pub use batch::Workspace;
-pub(crate) use motion::{Sample, Sink};
 
 /// Why a skill cannot be simulated in a task.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -95,7 +93,7 @@ pub struct Simulation {
     blank: Trace,
     dt: f64,
     tables: Tables,
-    /// What drives the forcing term at mid-steps, of movement and rest time.
+    /// Gate of the forcing term at mid-steps, of movement and rest time.
     drive: Vec<f64>,
     steps: usize,
     /// Steps of a rollout that costs are taken of: with the rest time where rest costs something.
@@ -154,7 +152,7 @@ impl Simulation {
         let rest_steps = task.rest_steps();
         let all_steps = steps + rest_steps;
         let phase = policy.phase()?;
-        let half_steps: Vec<f64> = (0..=2 * all_steps).map(|h| phase.at(0.5 * dt * h as f64)).collect();
+        let half_steps: Vec<f64> = (0..=2 * all_steps).map(|h| phase.at(0.5 * dt * h as f64).s).collect();
         let middle_phase: Vec<f64> = half_steps.iter().copied().skip(1).step_by(2).collect();
         let bases = policy.bases()?;
         let time: Vec<f64> = (0..=all_steps).map(|i| i as f64 * dt).collect();
@@ -235,7 +233,7 @@ impl Simulation {
             blank,
             dt,
             tables,
-            drive: middle_phase.iter().map(|&s| phase.drive(s)).collect(),
+            drive: middle_phase.iter().map(|&s| phase.gate(s)).collect(),
             steps,
             priced_steps: if cost.weighs_rest() { all_steps } else { steps },
             axes,
@@ -305,82 +303,11 @@ impl Simulation {
 
     /// Writes the motion of the skill in `scenario` into `trace`.
     fn rollout_in(&self, scenario: &Scenario, parameters: Parameters<'_>, trace: &mut Trace) {
-        for (a, (model, axis)) in self.axes.iter().zip(&mut trace.axes).enumerate() {
-            let contact = trace.contact.as_mut().filter(|contact| contact.axis == a);
-            let profiles = self.rowwise(model, parameters);
-            self.roll_axis(a, self.drive.len(), &model.alone, &profiles, &scenario.axes[a], Recorder { axis, contact });
-        }
+        self.rollout_over(self.drive.len(), scenario, parameters, trace);
     }
 
     /// Number of parameters of all axes.
     fn parameter_count(&self) -> usize {
         self.axes.last().map_or(0, |axis| axis.parameters[4])
-    }
-
-    /// The motion of axis `a` over `steps`, each sample handed to `sink`.
-    #[inline(always)]
-    fn roll_axis<const N: usize>(
-        &self,
-        a: usize,
-        steps: usize,
-        reference: &Reference<N>,
-        profiles: &impl Profiles<N>,
-        scenario: &AxisScenario,
-        sink: impl Sink<N>,
-    ) {
-        let (dt, drive, forces) = (self.dt, &self.drive[..steps], &scenario.forces);
-        let contact = self.contact.as_ref().filter(|contact| contact.axis == a);
-        if let Some(robot) = self.robot {
-            let tool = Measured::new(dt, robot, scenario, contact, reference.inertial, reference.start());
-            return roll_rarely(reference, drive, profiles, tool, sink);
-        }
-        match (contact, reference.inertial, self.axes[a].inertial) {
-            (Some(contact), _, Some(law)) => {
-                let held = [self.axes[a].largest_stiffness, reference.start().to_f64()];
-                let tool = TouchingInertial::new(dt, forces, contact, law, held);
-                roll_rarely(reference, drive, profiles, tool, sink);
-            }
-            (Some(contact), ..) => roll(reference, drive, profiles, Touching::new(dt, forces, contact), sink),
-            (None, Some(law), _) => roll(reference, drive, profiles, FreeInertial::new(dt, forces, law), sink),
-            (None, None, _) => roll(reference, drive, profiles, Free::new(dt, forces), sink),
-        }
-    }
-}
-
-/// [`roll`] for tools that gain nothing from vector registers, compiled once.
-#[inline(never)]
-fn roll_rarely<const N: usize>(
-    reference: &Reference<N>,
-    drive: &[f64],
-    profiles: &impl Profiles<N>,
-    tool: impl Tool<N>,
-    sink: impl Sink<N>,
-) {
-    roll(reference, drive, profiles, tool, sink);
-}
-
-/// Writes the samples of one axis into its trace.
-struct Recorder<'a> {
-    axis: &'a mut AxisTrace,
-    contact: Option<&'a mut ContactTrace>,
-}
-
-impl Sink<1> for Recorder<'_> {
-    fn take(&mut self, i: usize, sample: &Sample<1>) {
-        let axis = &mut *self.axis;
-        for (signal, Lanes([value])) in [
-            (&mut axis.reference_position, sample.reference_position),
-            (&mut axis.reference_velocity, sample.reference_velocity),
-            (&mut axis.position, sample.position),
-            (&mut axis.velocity, sample.velocity),
-            (&mut axis.force, sample.force),
-            (&mut axis.stiffness, sample.stiffness),
-            (&mut axis.damping, sample.damping),
-        ] {
-            signal[i] = value;
-        }
-        if let (Some(contact), Some([deviation, force])) = (&mut self.contact, sample.contact) {
-            [contact.deviation[i], contact.force[i]] = [deviation.0[0], force.0[0]];
-        }
     }
 }

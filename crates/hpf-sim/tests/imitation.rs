@@ -184,10 +184,10 @@ fn several_demonstrations_are_one_regression_over_all_their_samples() {
         // While the forcing term fades, over a tenth of the duration, it is to be zero.
         values.extend([0.0; 20]);
         for i in 0..220 {
-            let s = phase.at((f64::from(i) + 0.5) / 200.0);
+            let s = phase.at((f64::from(i) + 0.5) / 200.0).s;
             let mut row = vec![0.0; 20];
             basis.features_into(s, &mut row);
-            features.extend(row.iter().map(|phi| phase.drive(s) * (goal - start) * phi));
+            features.extend(row.iter().map(|phi| phase.gate(s) * (goal - start) * phi));
         }
     }
     let stacked = ridge(&features, 20, &values, 1e-9 * squares).unwrap();

@@ -5,7 +5,6 @@ mod binary;
 mod c;
 mod rust;
 
-use hpf_core::packed::Scalar;
 use hpf_core::{ConfigError, Real};
 use hpf_sim::task::Unit;
 use hpf_sim::{AxisPolicy, Family, Policy};
@@ -73,13 +72,6 @@ impl Precision {
         }
     }
 
-    fn scalar(self) -> Scalar {
-        match self {
-            Self::F32 => Scalar::Single,
-            Self::F64 => Scalar::Double,
-        }
-    }
-
     /// The shortest digits that read back to the same number of this scalar.
     fn digits(self, number: f64) -> String {
         match self {
@@ -142,20 +134,12 @@ fn bases(policy: &Policy, precision: Precision) -> [ExportedBasis; 3] {
 
 fn bases_of<T: Real>(policy: &Policy) -> [ExportedBasis; 3] {
     let [movement, stiffness, damping] = policy.bases::<T>().expect("a policy that makes a skill has its bases");
-    let first = &policy.axes[0];
-    let exported = |name, family, basis: hpf_core::Basis<T, Vec<T>>| {
+    let exported = |name, basis: hpf_core::Basis<T, Vec<T>>| {
         let list = |numbers: &[T]| numbers.iter().map(|number| number.to_f64()).collect();
-        let overlap = match family {
-            Family::Phase => None,
-            Family::Time { overlap } => Some(T::of(overlap).to_f64()),
-        };
+        let overlap = basis.overlap().map(T::to_f64);
         ExportedBasis { name, overlap, centers: list(basis.centers()), shape: list(basis.widths()) }
     };
-    [
-        exported("movement", first.movement.family, movement),
-        exported("stiffness", first.stiffness.family, stiffness),
-        exported("damping", first.damping.family, damping),
-    ]
+    [exported("movement", movement), exported("stiffness", stiffness), exported("damping", damping)]
 }
 
 /// The law in a sentence.

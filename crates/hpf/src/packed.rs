@@ -2,21 +2,10 @@
 
 use core::fmt::Write as _;
 
-use hpf_core::packed::Packed;
+use hpf_core::packed::{Packed, PackedAxis, PackedGain};
 use serde_json::{Value, json};
 
 use crate::words::number;
-
-/// What a packed skill holds of one axis.
-struct Axis {
-    unit: &'static str,
-    start: f64,
-    goal: f64,
-    /// Stiffness and damping.
-    gains: [Range; 2],
-    /// Virtual mass, damping ratio and least damping; all zero of a first-order axis.
-    law: [f64; 3],
-}
 
 /// Weights of a gain and their bounds.
 struct Range {
@@ -27,12 +16,10 @@ struct Range {
 }
 
 impl Range {
-    /// The range of a gain as it is packed: its bounds, then its weights.
-    fn of(numbers: &[f64]) -> Self {
-        let weights = &numbers[2..];
-        let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Self { least, most, min: numbers[0], max: numbers[1] }
+    fn of(gain: &PackedGain<'_>) -> Self {
+        let least = gain.weights().fold(f64::INFINITY, f64::min);
+        let most = gain.weights().fold(f64::NEG_INFINITY, f64::max);
+        Self { least, most, min: gain.min, max: gain.max }
     }
 
     fn to_json(&self) -> Value {
@@ -40,20 +27,13 @@ impl Range {
     }
 }
 
-/// The axes, which stand last in a packed skill.
-fn axes_of(skill: &Packed<'_>) -> Vec<Axis> {
-    let numbers: Vec<f64> = skill.values().collect();
-    let [movement, stiffness, damping] = skill.head().functions.map(usize::from);
-    let length = 4 + movement + 2 + stiffness + 2 + damping + skill.head().law_numbers();
-    let axes = &numbers[numbers.len() - usize::from(skill.head().axes) * length..];
-    let axis = |(i, axis): (usize, &[f64])| {
-        let unit = if skill.head().rotary >> i & 1 == 1 { "rad" } else { "m" };
-        let (stiffness, rest) = axis[4 + movement..].split_at(2 + stiffness);
-        let (damping, law) = rest.split_at(2 + damping);
-        let gains = [stiffness, damping].map(Range::of);
-        Axis { unit, start: axis[0], goal: axis[1], gains, law: law.try_into().unwrap_or([0.0; 3]) }
-    };
-    axes.chunks_exact(length).enumerate().map(axis).collect()
+fn unit(axis: &PackedAxis<'_>) -> &'static str {
+    if axis.is_rotary { "rad" } else { "m" }
+}
+
+/// Stiffness and damping.
+fn gains(axis: &PackedAxis<'_>) -> [Range; 2] {
+    [&axis.stiffness, &axis.damping].map(Range::of)
 }
 
 /// The law of three numbers, in words.
@@ -70,7 +50,7 @@ fn law_text([mass, ratio, floor]: [f64; 3]) -> String {
 /// What a packed skill is.
 pub fn text(skill: &Packed<'_>) -> String {
     let head = skill.head();
-    let duration = skill.values::<f64>().next().unwrap_or_default();
+    let duration = skill.duration();
     let [movement, stiffness, damping] = core::array::from_fn(|i| {
         let family = if head.in_time[i] { " in time" } else { "" };
         format!("{}{family}", head.functions[i])
@@ -82,9 +62,9 @@ pub fn text(skill: &Packed<'_>) -> String {
         head.length()
     );
     let _ = writeln!(text, "  basis       {movement} movement, {stiffness} stiffness, {damping} damping");
-    for (i, axis) in axes_of(skill).into_iter().enumerate() {
-        let _ = writeln!(text, "  axis        {i}: {} -> {} {}", axis.start, axis.goal, axis.unit);
-        for (name, Range { least, most, min, max }) in ["stiffness", "damping"].into_iter().zip(axis.gains) {
+    for (i, axis) in skill.axes().enumerate() {
+        let _ = writeln!(text, "  axis        {i}: {} -> {} {}", axis.start, axis.goal, unit(&axis));
+        for (name, Range { least, most, min, max }) in ["stiffness", "damping"].into_iter().zip(gains(&axis)) {
             let [least, most, min, max] = [least, most, min, max].map(number);
             let _ = writeln!(text, "    {name:<9} {least} .. {most}, bounds {min} .. {max}");
         }
@@ -95,10 +75,10 @@ pub fn text(skill: &Packed<'_>) -> String {
 
 /// The same for programs.
 pub fn to_json(skill: &Packed<'_>) -> Value {
-    let axes = axes_of(skill).into_iter().map(|axis| {
-        let [stiffness, damping] = axis.gains.map(|gain| gain.to_json());
+    let axes = skill.axes().map(|axis| {
+        let [stiffness, damping] = gains(&axis).map(|gain| gain.to_json());
         json!({
-            "unit": axis.unit, "start": axis.start, "goal": axis.goal, "stiffness": stiffness, "damping": damping,
+            "unit": unit(&axis), "start": axis.start, "goal": axis.goal, "stiffness": stiffness, "damping": damping,
             "mass": axis.law[0], "damping_ratio": axis.law[1], "damping_floor": axis.law[2],
         })
     });
@@ -106,7 +86,7 @@ pub fn to_json(skill: &Packed<'_>) -> Value {
     json!({
         "format": "hpf-packed-info", "version": 1, "scalar": format!("f{}", 8 * head.scalar.width()),
         "bytes": head.length(), "functions": head.functions, "in_time": head.in_time,
-        "duration_s": skill.values::<f64>().next(),
+        "duration_s": skill.duration(),
         "axes": axes.collect::<Vec<_>>(),
     })
 }

@@ -59,6 +59,22 @@ impl<T: Real> Law<T> {
         Ok(Self::SecondOrder { mass, damping })
     }
 
+    /// The three numbers that [`of`](Self::of) makes this law of.
+    ///
+    /// ```
+    /// use hpf_core::Law;
+    /// assert_eq!(Law::of(2.0, 0.7, 5.0)?.numbers(), [2.0, 0.7, 5.0]);
+    /// assert_eq!(Law::<f64>::FirstOrder.numbers(), [0.0; 3]);
+    /// # Ok::<(), hpf_core::ConfigError>(())
+    /// ```
+    pub fn numbers(&self) -> [T; 3] {
+        match *self {
+            Self::FirstOrder => [T::ZERO; 3],
+            Self::SecondOrder { mass, damping: Damping::Primitive } => [mass, T::ZERO, T::ZERO],
+            Self::SecondOrder { mass, damping: Damping::Ratio { ratio, floor } } => [mass, ratio, floor],
+        }
+    }
+
     /// Virtual mass [kg]; zero for the first order.
     #[inline]
     pub fn mass(&self) -> T {

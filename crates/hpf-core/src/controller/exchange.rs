@@ -27,7 +27,7 @@ pub enum Request<T, const D: usize> {
     Hold,
     /// Go on along the path.
     Resume,
-    /// Come to rest on the path for good.
+    /// Stop on the path for good.
     Stop,
     /// Go to another goal [axis unit].
     Goal([T; D]),

@@ -19,9 +19,9 @@ pub enum Mode {
     Run,
     /// Pauses on the path, compliant; resumable.
     Hold,
-    /// Has come to rest on the path for good, still compliant where it has moved before; latched until reset.
+    /// Stopped on the path for good, still compliant where it has moved before; latched until reset.
     Stop,
-    /// Has come to rest, rigid, because an input is lost; latched until reset.
+    /// Stopped and rigid, because an input is lost; latched until reset.
     Fault,
 }
 

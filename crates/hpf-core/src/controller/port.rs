@@ -20,8 +20,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Begins the books of the port anew: until something is measured the commands stay where they are.
     pub(super) fn open_port(&mut self) {
         self.port_known = false;
-        for (state, command) in self.axes.iter_mut().zip(&self.last.axes) {
-            state.port = PortAxis::at_rest(command.position, T::ZERO);
+        for state in &mut self.axes {
+            state.port = PortAxis::at_rest(state.position, T::ZERO);
         }
     }
 
@@ -30,14 +30,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     pub(super) fn observe(&mut self, input: &Input<T, D>) {
         let (Some(port), Some(tank)) = (&self.settings.port, &self.settings.tank) else { return };
         let Some(measured) = input.measured_position else { return };
-        let fresh = input.force_age == 0 && !self.last.status.bad_force;
+        let fresh = input.force_age == 0 && !self.status.bad_force;
         if !fresh || !measured.iter().all(|position| position.is_finite()) {
             return;
         }
         let measured = measured.map(|position| cut(position, T::ZERO, T::of(LARGEST)).0);
         let forces = self.settings.conditioning.compensated(&self.force, self.good_force);
         let delay = port.force_delay;
-        let energy = &mut self.last.port_energy;
+        let energy = &mut self.port_energy;
         for (((state, position), force), &bias) in self.axes.iter_mut().zip(measured).zip(forces).zip(&port.force_bias)
         {
             if self.port_known {

@@ -23,16 +23,16 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     fn mistrust(&mut self, dt: T, longest: T) -> Option<T> {
         let long = dt.is_finite() && dt > longest;
         let bad = if long { (dt / longest - T::ONE).at_most(T::ONE) } else { T::ONE };
-        let still = self.last.mode == Mode::Idle;
+        let still = self.mode == Mode::Idle;
         let steps = T::of(CLOCK_STEPS);
         self.debts.clock.owe(bad, steps, steps + T::ONE, still);
         self.debts.any = true;
         if long {
-            self.last.status.long_time = true;
+            self.status.long_time = true;
             count(&mut self.counters.long_time);
             return Some(longest);
         }
-        self.last.status.bad_time = true;
+        self.status.bad_time = true;
         count(&mut self.counters.bad_time);
         None
     }
@@ -40,10 +40,10 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// A step of no time: the command stands still. What comes in is looked at all the same.
     #[cold]
     pub(super) fn stand(&mut self, input: &Input<T, D>) {
-        self.last.rate = T::ZERO;
-        for (state, command) in self.axes.iter_mut().zip(&mut self.last.axes) {
+        self.rate = T::ZERO;
+        for state in &mut self.axes {
             state.offset.velocity = T::ZERO;
-            command.velocity = T::ZERO;
+            state.velocity = T::ZERO;
         }
         self.read(input);
         let blind = self.watch(input);
@@ -52,7 +52,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             self.note_bad_input();
         }
         self.weigh(blind, rateless, T::ZERO);
-        if self.last.status.lost() {
+        if self.status.lost() {
             self.handle_event(Event::Lost);
         }
     }
@@ -61,13 +61,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     pub(super) fn condition_force(&mut self, input: &Input<T, D>, dt: T) -> [T; D] {
         let compensated = self.read(input);
         let Settings { axes, conditioning, timing, .. } = &self.settings;
-        if self.last.mode == Mode::Idle {
-            if self.last.status.bad_force {
+        if self.mode == Mode::Idle {
+            if self.status.bad_force {
                 self.tare = Default::default();
             } else {
                 self.tare.observe(compensated, axes.each_ref().map(|axis| axis.limits.force), dt);
             }
-            self.last.status.tare_ready = self.tare.mean().is_some();
+            self.status.tare_ready = self.tare.mean().is_some();
         }
         if self.cache.dt != dt {
             (self.cache.dt, self.cache.settled, self.cache.rate) = (dt, conditioning.settled(dt), -T::ONE);
@@ -91,7 +91,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         self.good_force = *measured;
         let compensated = conditioning.compensated(&self.force, self.good_force);
         if compensated.iter().zip(axes).any(|(force, axis)| force.abs() > axis.trip_force) {
-            self.last.status.force_tripped = true;
+            self.status.force_tripped = true;
         }
         compensated
     }
@@ -108,13 +108,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             *last = cut(force, T::ZERO, T::of(LARGEST)).0;
         }
         if good.contains(&false) {
-            self.last.status.bad_force = true;
+            self.status.bad_force = true;
             count(&mut self.counters.bad_force);
         }
         let compensated = conditioning.compensated(&self.force, self.good_force);
         let mut readings = compensated.iter().zip(axes).zip(good);
         if readings.any(|((force, axis), good)| good && force.abs() > axis.trip_force) {
-            self.last.status.force_tripped = true;
+            self.status.force_tripped = true;
         }
         compensated
     }
@@ -123,13 +123,13 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     pub(super) fn watch(&mut self, input: &Input<T, D>) -> bool {
         let mut blind = false;
         if let Some(measured) = &input.measured_position {
-            let gaps = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
-            let mut gaps = gaps.map(|((&at, command), axis)| ((at - command.position).abs(), axis.tracking));
+            let gaps = measured.iter().zip(&self.axes).zip(&self.settings.axes);
+            let mut gaps = gaps.map(|((&at, state), axis)| ((at - state.position).abs(), axis.tracking));
             if !gaps.all(|(gap, most)| gap <= most) {
                 blind = self.look_in_part(measured);
             }
         }
-        if self.last.status.force_tripped || self.last.status.tracking_tripped {
+        if self.status.force_tripped || self.status.tracking_tripped {
             count(&mut self.counters.trips);
             self.handle_event(Event::Tripped);
         }
@@ -139,16 +139,16 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Looks at positions of which one is bad or far off, each axis by itself. Returns whether one is bad.
     #[cold]
     fn look_in_part(&mut self, measured: &[T; D]) -> bool {
-        let axes = measured.iter().zip(&self.last.axes).zip(&self.settings.axes);
+        let axes = measured.iter().zip(&self.axes).zip(&self.settings.axes);
         let (mut blind, mut far) = (false, false);
-        for ((&at, command), axis) in axes {
+        for ((&at, state), axis) in axes {
             if at.is_finite() {
-                far |= (at - command.position).abs() > axis.tracking;
+                far |= (at - state.position).abs() > axis.tracking;
             } else {
                 blind = true;
             }
         }
-        self.last.status.tracking_tripped = far;
+        self.status.tracking_tripped = far;
         if blind {
             self.note_bad_input();
         }
@@ -158,8 +158,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// Counts once a step that an input was no number.
     #[cold]
     fn note_bad_input(&mut self) {
-        if !self.last.status.bad_input {
-            self.last.status.bad_input = true;
+        if !self.status.bad_input {
+            self.status.bad_input = true;
             count(&mut self.counters.bad_input);
         }
     }
@@ -168,8 +168,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     #[cold]
     pub(super) fn weigh(&mut self, blind: bool, rateless: bool, dt: T) {
         let Timing { hold, ramp, longest_step, .. } = self.settings.timing;
-        let still = self.last.mode == Mode::Idle;
-        let (debts, status) = (&mut self.debts, &mut self.last.status);
+        let still = self.mode == Mode::Idle;
+        let (debts, status) = (&mut self.debts, &mut self.status);
         let inputs = [(&mut debts.force, status.bad_force), (&mut debts.position, blind), (&mut debts.rate, rateless)];
         for (debt, bad) in inputs {
             if bad {
@@ -203,14 +203,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 self.note_bad_input();
             }
         }
-        let lost = self.debts.any && self.last.status.lost();
-        if self.last.mode != Mode::Run || lost {
+        let lost = self.debts.any && self.status.lost();
+        if self.mode != Mode::Run || lost {
             rate = T::ZERO;
         }
         // A path at rest at its start begins at any rate without a jump; only under way a change needs the ramp.
-        if rate != self.last.rate && self.last.phase < T::ONE {
+        if rate != self.rate && self.phase != self.skill.phase().start() {
             let change = self.cache.ramp_share;
-            rate = rate.at_least(self.last.rate - change).at_most(self.last.rate + change);
+            rate = rate.at_least(self.rate - change).at_most(self.rate + change);
         }
         if lost && rate <= T::ZERO {
             self.handle_event(Event::Lost);

@@ -1,15 +1,12 @@
 //! One step of a controller: rate, reference, offset, limits and the books of energy.
 
 use super::port::confined;
-use super::reference::Course;
-use super::{Compliance, Controller, Input, Mode};
+use super::{AxisState, Compliance, Controller, Input, Mode};
+use crate::Real;
 use crate::admittance::{Inertial, OffsetMotion, step_offset};
-use crate::compensated::accumulate_phase;
-use crate::controller::AxisOutput;
 use crate::limits::{Hits, brake, cut};
-use crate::movement::Increment;
 use crate::passivity::{EnergyTank, kinetic_energy, spring_energy};
-use crate::{AxisPrimitives, Real};
+use crate::reference::{Course, Stride};
 
 impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     /// One step of a `dt` that is in order.
@@ -17,20 +14,20 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         let force = self.condition_force(input, dt);
         let blind = self.watch(input);
         let rateless = !input.rate.is_finite();
-        if self.debts.any || self.last.status.bad_force || blind || rateless {
+        if self.debts.any || self.status.bad_force || blind || rateless {
             self.weigh(blind, rateless, dt);
         }
         // A trip or a loss in the very step of the start leaves the arm where it is.
-        self.moved |= self.last.mode == Mode::Run;
+        self.moved |= self.mode == Mode::Run;
         if self.settings.port.is_some() {
             self.observe(input);
         }
         let rate = self.next_rate(input.rate);
         self.update_cache(rate, dt);
         self.advance_axes(force, rate, dt);
-        if !self.ended && self.last.phase <= self.end_phase {
+        if !self.ended && self.skill.phase().has_ended(self.phase) {
             self.ended = true;
-            self.last.status.ended = true;
+            self.status.ended = true;
         }
     }
 
@@ -40,27 +37,18 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         if self.cache.rate == rate {
             return;
         }
-        let phase = self.skill.phase();
-        (self.cache.rate, self.cache.half) = (rate, phase.change(rate, dt * T::of(0.5)));
-        let step = |alpha| Increment::new(alpha, rate * dt / phase.duration());
-        let mut last = None;
-        for (state, AxisPrimitives { movement, .. }) in self.axes.iter_mut().zip(self.skill.axes()) {
-            state.step = match last {
-                Some((alpha, step)) if alpha == movement.alpha() => step,
-                _ => step(movement.alpha()),
-            };
-            last = Some((movement.alpha(), state.step));
-        }
+        self.cache.rate = rate;
+        self.stride = Stride::new(self.skill.phase(), self.skill.axes(), rate, dt);
     }
 
     /// Whether the arm gives way to force: it has started, and feels.
     fn gives(&self) -> bool {
-        let may = match self.last.mode {
+        let may = match self.mode {
             Mode::Run | Mode::Hold => true,
             Mode::Stop => self.moved,
             Mode::Idle | Mode::Fault => false,
         };
-        may && !self.last.status.force_lost
+        may && !self.status.force_lost
     }
 
     /// Advances reference, offsets and commands.
@@ -69,33 +57,33 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         // What has not moved stands where it was put, wherever the robot is.
         let walled = self.settings.port.is_some() && self.moved;
         let gives = self.gives();
-        let half = self.cache.half;
-        let middle = self.last.phase + self.last.phase * half;
+        let half = self.stride.half;
+        let middle = half.middle(self.phase);
 
         // Stiffness as the tank allows it; the whole step of every reference, and what it would cost.
         let mut next = [Course::NONE; D];
         let mut share = T::ONE;
         let mut cost = T::ZERO;
         let mut short = false;
-        let parts = next.iter_mut().zip(&self.axes).zip(&mut self.last.axes).zip(&self.settings.axes);
+        let parts = next.iter_mut().zip(&mut self.axes).zip(&self.settings.axes);
         let profiles = self.skill.at(middle);
-        let parts = parts.zip(&force).zip(&profiles).zip(self.skill.axes());
-        for ((((((next, state), command), settings), &force), profile), primitives) in parts {
+        let parts = parts.zip(&force).zip(&profiles).zip(self.skill.axes()).zip(&self.stride.axes);
+        for ((((((next, state), settings), &force), profile), primitives), step) in parts {
             let (sensed, strong) = cut(force, T::ZERO, settings.limits.force);
             let force = if settings.compliance == Compliance::Rigid { T::ZERO } else { sensed };
             let stiffness = tank.map_or(profile.stiffness, |tank| {
-                let (energy, offset) = (&mut self.last.energy, state.offset.offset);
-                tank.stiffness(energy, command.stiffness, profile.stiffness, offset, dt)
+                let (energy, offset) = (&mut self.energy, state.offset.offset);
+                tank.stiffness(energy, state.stiffness, profile.stiffness, offset, dt)
             });
             short |= stiffness < profile.stiffness;
             let damping = primitives.law.damping(stiffness, profile.damping);
-            (command.force, command.stiffness, command.damping) = (force, stiffness, damping);
-            command.hits = Hits::default();
+            (state.force, state.stiffness, state.damping) = (force, stiffness, damping);
+            state.hits = Hits::default();
             if strong {
-                command.hits.force = true;
+                state.hits.force = true;
             }
 
-            *next = state.reference.ahead(&state.step, profile.forcing);
+            *next = state.reference.ahead(step, profile.forcing);
             let distance = next.distance();
             let farthest = settings.limits.velocity * dt;
             if distance.abs() > farthest {
@@ -104,7 +92,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             if walled {
                 let wanted = distance / dt;
                 let (found, less) =
-                    confined(wanted, command.position, &state.port.walls, settings.limits.acceleration, dt);
+                    confined(wanted, state.position, &state.port.walls, settings.limits.acceleration, dt);
                 // Back to the walls goes the offset, not the path.
                 if less && distance != T::ZERO {
                     share = lesser(share, (found / wanted).at_least(T::ZERO), T::ONE);
@@ -114,7 +102,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             cost = cost - force * distance;
         }
         // What is left goes down no faster than it would by the ramp: a path that has to slow down has the time to.
-        let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.last.energy));
+        let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.energy));
         if tank.is_some() {
             if cost > left * self.cache.ramp_share {
                 share = lesser(share, left * self.cache.ramp_share, cost);
@@ -122,14 +110,12 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             }
             left = left - (share * cost).at_least(T::ZERO);
         }
-        let change = share * ((self.last.phase + middle) * half);
-        accumulate_phase(&mut self.last.phase, &mut self.phase_remainder, change);
-        self.last.rate = rate * share;
+        half.advance(&mut self.phase, &mut self.phase_remainder, middle, share);
+        self.rate = rate * share;
 
         let mut balance = T::ZERO;
-        let parts = self.axes.iter_mut().zip(&mut self.last.axes).zip(&next).zip(&self.settings.axes);
-        for (((state, command), next), settings) in parts {
-            let AxisOutput { force, stiffness, damping, .. } = *command;
+        for ((state, next), settings) in self.axes.iter_mut().zip(&next).zip(&self.settings.axes) {
+            let AxisState { force, stiffness, damping, .. } = *state;
             let law = state.law;
             let stored = |at: OffsetMotion<T>| {
                 let spring = spring_energy(stiffness, at.offset);
@@ -160,29 +146,28 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             let mut wanted = travel / dt + giving;
             let mut stopped = false;
             if walled {
-                (wanted, stopped) = confined(wanted, command.position, &state.port.walls, limits.acceleration, dt);
+                (wanted, stopped) = confined(wanted, state.position, &state.port.walls, limits.acceleration, dt);
                 short |= stopped;
             }
-            let (velocity, hits) = limits.velocity(command.position, command.velocity, wanted, dt);
+            let (velocity, hits) = limits.velocity(state.position, state.velocity, wanted, dt);
             if held || stopped || hits.any_motion() {
                 let give = if stopped || hits.any_motion() { velocity * dt - travel } else { giving * dt };
                 let offset = before.offset + give;
                 let (kept, dragged) = cut(offset, T::ZERO, limits.offset);
                 state.offset = OffsetMotion { offset: kept, velocity: give / dt };
                 state.reference.shift(offset - kept);
-                command.hits = Hits { force: command.hits.force, offset: held || dragged, ..hits };
+                state.hits = Hits { force: state.hits.force, offset: held || dragged, ..hits };
             }
             balance += force * (velocity * dt) - (stored(state.offset) - stored(before));
 
             let [min, max] = limits.position;
-            command.position = (state.reference.position() + state.offset.offset).at_least(min).at_most(max);
-            command.velocity = velocity;
-            command.offset = state.offset.offset;
+            state.position = (state.reference.position() + state.offset.offset).at_least(min).at_most(max);
+            state.velocity = velocity;
         }
         if let Some(tank) = tank {
-            tank.book(&mut self.last.energy, balance);
+            tank.book(&mut self.energy, balance);
         }
-        self.last.status.energy_short = short;
+        self.status.energy_short = short;
     }
 }
 

@@ -360,7 +360,7 @@ fn the_tank_slows_the_path_that_works_against_the_environment() {
 fn requests_that_make_no_sense_are_refused() {
     let mut rig = in_mode(Mode::Run);
     for request in [Request::Goal([f64::NAN]), Request::Goal([0.6]), Request::Tare, Request::Reset([0.0])] {
-        let before = *rig.controller.output();
+        let before = rig.controller.output();
         let after = rig.ask(request);
         assert!(after.status.refused && after.mode == before.mode);
     }

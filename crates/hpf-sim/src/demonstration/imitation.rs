@@ -143,11 +143,11 @@ impl Imitation {
         }
         let mut policy = Policy::initial(task)?;
         let phase = policy.phase()?;
-        let at = |share: f64| phase.at(share * task.duration);
+        let at = |share: f64| phase.at(share * task.duration).s;
         // While the forcing term fades the recording is at rest at its goal: it asks for no forcing.
         let fading = (FADE * steps as f64).ceil() as usize;
         let middle: Vec<f64> = (0..steps + fading).map(|i| at((i as f64 + 0.5) / steps as f64)).collect();
-        let drive: Vec<f64> = middle.iter().map(|&s| phase.drive(s)).collect();
+        let gate: Vec<f64> = middle.iter().map(|&s| phase.gate(s)).collect();
         let samples: Vec<f64> = (0..=steps).map(|i| at(i as f64 / steps as f64)).collect();
         let [movement, stiffness, damping] = policy.bases()?;
         let movement = Profile::new(self.fit, &movement, &middle);
@@ -178,8 +178,8 @@ impl Imitation {
             let frames = work.frames(a, scale)?;
             let refused = |reason| ImitationError::Fit { axis: axis.name.clone(), reason };
             let mut forcing = work.forcing(a, &frames, alpha);
-            forcing.resize(drive.len(), 0.0);
-            axis.movement.weights = movement.movement(&drive, &forcing, self.penalty).map_err(refused)?;
+            forcing.resize(gate.len(), 0.0);
+            axis.movement.weights = movement.movement(&gate, &forcing, self.penalty).map_err(refused)?;
             for ((carried, recording), frame) in carried.iter_mut().zip(&work.recordings).zip(&frames) {
                 carried.push(frame.carry_to(&target, alpha, &recording.axes[a].recorded));
             }

@@ -35,15 +35,15 @@ impl Profile {
         Self { fit, count, features: table(&|s, row| basis.features_into(s, row)), activations }
     }
 
-    /// The weights of a forcing term `drive sum w phi` that come nearest to `forcing`.
-    pub fn movement(&self, drive: &[f64], forcing: &[f64], penalty: f64) -> Result<Vec<f64>, FitError> {
+    /// The weights of a forcing term `gate sum w phi` that come nearest to `forcing`.
+    pub fn movement(&self, gate: &[f64], forcing: &[f64], penalty: f64) -> Result<Vec<f64>, FitError> {
         match self.fit {
             Fit::Ridge => {
-                let rows = self.features.chunks_exact(self.count).zip(drive);
+                let rows = self.features.chunks_exact(self.count).zip(gate);
                 let features: Vec<f64> = rows.flat_map(|(row, s)| row.iter().map(move |phi| s * phi)).collect();
                 fit::ridge(&features, self.count, forcing, penalty)
             }
-            Fit::LocallyWeighted => fit::locally_weighted(&self.activations, self.count, drive, forcing, penalty),
+            Fit::LocallyWeighted => fit::locally_weighted(&self.activations, self.count, gate, forcing, penalty),
         }
     }
 

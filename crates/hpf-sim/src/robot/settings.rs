@@ -195,7 +195,7 @@ pub enum TimedRequest {
     Hold(At),
     /// Go on along the path.
     Resume(At),
-    /// Come to rest on the path for good.
+    /// Stop on the path for good.
     Stop(At),
     /// Call the present force zero.
     Tare(At),

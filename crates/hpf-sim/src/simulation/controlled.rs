@@ -99,7 +99,7 @@ impl Simulation {
         let mut controller = Controller::new(skill, settings.controller(push, self.dt)?, position(&plants))?;
         let mut requests = Requests::of(settings);
         let mut conduct = Conduct::default();
-        self.record(0, controller.output(), &plants, trace);
+        self.record(0, &controller.output(), &plants, trace);
         for i in 0..trace.time.len() - 1 {
             let before = controller.output().axes.map(|axis| axis.position);
             let request = requests.due(i as f64 * self.dt, position(&plants), 0.5 * self.dt);
