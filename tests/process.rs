@@ -457,3 +457,33 @@ fn a_program_is_looked_for_where_its_task_is_also_by_a_run_that_goes_on_from_els
     let (_, stderr) = expect(2, folder.path(), &moved);
     assert!(stderr.contains("worker 1 ended"), "{stderr}");
 }
+
+#[test]
+fn residuals_of_ones_own_are_learned_from_as_signals() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder();
+    // 101 tracking errors and 21 of the stiffness, and the same as a cost alone: signals know which way to go.
+    let body = "stiffness, planned = request['axes'][0]['weights']['stiffness'], request['axes'][0]['reference_position']\n\
+        wanted = [0.2 * (n / (len(planned) - 1)) ** 2 for n in range(len(planned))]\n\
+        errors = [(p - w) / 0.001 for p, w in zip(planned, wanted)] + [(k - 300.0) / 100.0 for k in stiffness]\n\
+        say(type='done', id=id, residuals=errors)";
+    let program = worker(folder.path(), body);
+    let text = read(&program).replace(
+        "answers='costs'",
+        "answers='residuals', residuals=hello['steps'] + 1 + len(hello['policy']['axes'][0]['stiffness']['weights'])",
+    );
+    fs::write(&program, text).unwrap();
+    let settings = ["accept={}", "learning.method=auto", "learning.max_rollouts=120", "environment.timeout=60.0"];
+    learn(0, folder.path(), &["python3", &program], "run", &settings);
+    let summary = json(folder.path().join("run/summary.json"));
+    let total = |which: &str| summary["cost"][which]["total"].as_f64().unwrap();
+    let (before, after) = (total("initial"), total("final"));
+    assert!(after < 1e-3 * before, "{before} -> {after}");
+    // A motion that could be measured there is none; and what needs a trace says so.
+    let (_, stderr) = learn(2, folder.path(), &["python3", &program], "model", &["accept={}", "learning.method=model"]);
+    assert!(stderr.contains("no model of its motions"), "{stderr}");
+    let (_, stderr) = learn(2, folder.path(), &["python3", &program], "targets", &[]);
+    assert!(stderr.contains("answers with residuals, and the targets of [accept] need traces"), "{stderr}");
+}

@@ -48,30 +48,38 @@ impl AutoOptions {
 pub enum Note {
     /// One group of parameters moves the signals of another: all are learned together.
     Coupled,
+    /// The model of the environment ended: learning from signals goes on.
+    Signals(Exhausted),
     /// The problem measures no signals: the costs of its steps stand in for them.
     NoSignals,
     /// The roots of the costs of the steps ended: the squares that they are made of go on.
     StepCosts(Exhausted),
-    /// The costs of the steps ended: PI2 goes on.
+    /// Signals, or the costs of the steps, ended: PI2 goes on.
     FellBack(Exhausted),
     /// A step has a negative cost, which has no root: PI2 goes on.
     NegativeCosts,
     /// The start failed its motion: learning began at a motion near it, after so many.
     Sought(usize),
+    /// The motions allowed were made before the first update: what is returned is the start.
+    TooFew,
 }
 
 impl core::fmt::Display for Note {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Coupled => f.write_str("groups of parameters move each other's signals: all are learned together"),
+            Self::Signals(reason) => write!(f, "learning from signals goes on from the model: {reason}"),
             Self::NoSignals => f.write_str("the problem measures no signals: learning from the costs of its steps"),
             Self::StepCosts(reason) => {
                 write!(f, "the squares that the costs of the steps are made of go on from their roots: {reason}")
             }
-            Self::FellBack(reason) => write!(f, "pi2 goes on from the costs of the steps: {reason}"),
+            Self::FellBack(reason) => write!(f, "pi2 goes on: {reason}"),
             Self::Sought(motions) => {
                 write!(f, "the start failed its motion: learning began at the first near it that did not, of {motions}")
             }
+            Self::TooFew => f.write_str(
+                "nothing was learned: the motions allowed were made before the first update, raise max_rollouts",
+            ),
             Self::NegativeCosts => f.write_str("pi2 from here on: a step has a negative cost, which has no root"),
         }
     }

@@ -50,13 +50,16 @@ impl Distance {
         self.weight * if outside < 0.0 { 0.0 } else { outside }
     }
 
+    /// The offset from the center at `moment`.
+    pub(crate) fn offset(&self, signals: &[f64], moment: usize) -> DVector<f64> {
+        DVector::from_iterator(self.offsets.len(), self.offsets.iter().map(|q| signals[q.start + moment]))
+    }
+
     /// The nearest moment and the offset there.
     pub(crate) fn nearest(&self, signals: &[f64]) -> (usize, DVector<f64>) {
-        let offset =
-            |i: usize| DVector::from_iterator(self.offsets.len(), self.offsets.iter().map(|q| signals[q.start + i]));
-        let mut near = (0, offset(0));
+        let mut near = (0, self.offset(signals, 0));
         for i in 1..self.offsets[0].len() {
-            let next = offset(i);
+            let next = self.offset(signals, i);
             if next.norm().is_nan() || next.norm() < near.1.norm() {
                 near = (i, next);
             }
@@ -80,12 +83,22 @@ impl Distance {
 
     /// What `signals` cost, smoothed over `delta`.
     pub(crate) fn smooth_cost(&self, delta: f64, signals: &[f64]) -> f64 {
-        self.smooth(delta, self.outside(delta, &self.nearest(signals).1))[0]
+        self.smooth_cost_of(delta, &self.nearest(signals).1)
+    }
+
+    /// What `offset` costs, smoothed over `delta`.
+    pub(crate) fn smooth_cost_of(&self, delta: f64, offset: &DVector<f64>) -> f64 {
+        self.smooth(delta, self.outside(delta, offset))[0]
     }
 
     /// The squares that touch the smooth cost at `signals`; `None` within the ball.
     pub(crate) fn majorizer(&self, delta: f64, signals: &[f64]) -> Option<Majorizer> {
-        let (moment, offset) = self.nearest(signals);
+        self.majorizer_at(delta, signals, self.nearest(signals).0)
+    }
+
+    /// The squares that touch the smooth cost of the offset at `moment`; `None` within the ball.
+    pub(crate) fn majorizer_at(&self, delta: f64, signals: &[f64], moment: usize) -> Option<Majorizer> {
+        let offset = self.offset(signals, moment);
         let v = self.outside(delta, &offset);
         if v == 0.0 {
             return None;

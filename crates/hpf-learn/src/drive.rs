@@ -20,6 +20,8 @@ pub enum Method {
     Auto(AutoOptions),
     /// Evolution by covariance matrix adaptation, on total costs.
     CmaEs(CmaEsOptions),
+    /// A model of the environment, fitted to the motions made.
+    Model(AutoOptions),
 }
 
 impl Method {
@@ -30,6 +32,7 @@ impl Method {
             Self::GaussNewton(options) => options.updates,
             Self::Auto(options) => options.updates,
             Self::CmaEs(options) => options.updates,
+            Self::Model(options) => options.updates,
         }
     }
 
@@ -40,6 +43,7 @@ impl Method {
             Self::GaussNewton(options) => options.seed,
             Self::Auto(options) => options.seed,
             Self::CmaEs(options) => options.seed,
+            Self::Model(options) => options.seed,
         }
     }
 
@@ -50,6 +54,7 @@ impl Method {
             Self::GaussNewton(options) => options.rollouts,
             Self::Auto(options) => options.rollouts,
             Self::CmaEs(options) => options.rollouts,
+            Self::Model(options) => options.rollouts,
         }
     }
 }
@@ -128,6 +133,9 @@ pub enum LearnError {
     /// The method learns from signals, and the problem measures none.
     #[error("the problem measures no signals: learn it from its cost, with auto, pi2 or cma-es")]
     NoSignals,
+    /// The method learns from motions, and the problem has no model that explains them.
+    #[error("the problem has no model of its motions: learn it with auto, gauss-newton, pi2 or cma-es")]
+    NoModel,
     /// The problem, its start or an answer does not fit together.
     #[error(transparent)]
     Shape(#[from] ShapeError),

@@ -76,6 +76,12 @@ pub enum Exhausted {
     Noise,
     /// Even small perturbations leave no finite signals.
     NoSignals,
+    /// The model of the environment, which predicts the motions made, expects no motion to be cheaper.
+    NothingExpected,
+    /// No model of the environment explains the motions made.
+    Unexplained,
+    /// The model of the environment predicts no cheaper motion that stays within the limits of safety.
+    NothingSafe,
 }
 
 impl core::fmt::Display for Exhausted {
@@ -84,6 +90,9 @@ impl core::fmt::Display for Exhausted {
             Self::NothingImproves => "nothing improves: no step lowers the cost, with the response freshly learned",
             Self::Noise => "nothing improves, and the noise of the signals hides what smaller perturbations do",
             Self::NoSignals => "no perturbation, however small, leaves finite signals",
+            Self::NothingExpected => "the model of the environment expects no motion to be cheaper",
+            Self::Unexplained => "no model of the environment explains the motions made",
+            Self::NothingSafe => "the model of the environment predicts no cheaper motion within the limits of safety",
         })
     }
 }

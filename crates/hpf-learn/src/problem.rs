@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use crate::Distance;
+use crate::{Distance, Model};
 
 /// One primitive of one axis: a run of parameters that share a basis.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +106,17 @@ pub enum Draws {
     HeldOut,
 }
 
+/// What a learner wants to know of a motion beside its cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wants {
+    /// Nothing.
+    Costs,
+    /// The signals of [`Problem::signals`].
+    Signals,
+    /// The motion itself, as [`Problem::model`] reads it.
+    Motion,
+}
+
 /// Something whose parameters can be learned: a simulator, a robot.
 pub trait Problem: Sync {
     /// What one rollout works in, made once per thread and reused.
@@ -188,5 +199,26 @@ pub trait Problem: Sync {
     ) {
         self.rollout(draws, parameters, workspace, cost);
         signals.clear();
+    }
+
+    /// A model that learns what moves from the motions made; `None` where motions show too little for one.
+    fn model(&self) -> Option<Box<dyn Model>> {
+        None
+    }
+
+    /// Makes rollout `number` of a run as [`Problem::measure`] does, and writes what is wanted of it. Rollouts of the same
+    /// parameters may differ by their number: by the noise of what is recorded.
+    fn observe(
+        &self,
+        draws: Draws,
+        number: usize,
+        parameters: Parameters<'_>,
+        wants: Wants,
+        workspace: &mut Self::Workspace,
+        cost: &mut Cost,
+        shown: &mut Vec<f64>,
+    ) {
+        let _ = (number, wants);
+        self.measure(draws, parameters, workspace, cost, shown);
     }
 }

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::session::Session;
-use crate::{Cost, Draws, Parameters, Problem};
+use crate::session::{Ask, Session};
+use crate::{Cost, Draws, Parameters, Problem, Wants};
 
 /// Makes rollouts, again and again in the same memory.
 pub(crate) struct RolloutPool<P: Problem> {
@@ -39,9 +39,10 @@ impl<P: Problem> RolloutPool<P> {
             self.make_groups(problem, draws, count + usize::from(evaluated.is_some()), groups);
             return count;
         }
+        let number = session.made();
         let ask = session.ask_batch();
-        if ask.wants_signals {
-            self.measure(problem, ask.draws, &ask.samples);
+        if ask.wants != Wants::Costs {
+            self.observe(problem, number, &ask);
         } else {
             self.make(problem, ask.draws, &ask.samples);
         }
@@ -70,13 +71,16 @@ impl<P: Problem> RolloutPool<P> {
             .for_each(|((costs, samples), workspace)| problem.rollouts(draws, samples.as_ref(), workspace, costs));
     }
 
-    /// Makes a rollout of each of `samples` with its signals.
-    fn measure(&mut self, problem: &P, draws: Draws, samples: &[Parameters<'_>]) {
-        let costs = first(&mut self.costs, samples.len(), Cost::default);
-        let signals = first(&mut self.signals, samples.len(), Vec::new);
-        costs.par_iter_mut().zip(signals).zip(samples).for_each_init(
+    /// Makes a rollout of each sample of `ask`, the first of them rollout `number`, with what is wanted of it.
+    fn observe(&mut self, problem: &P, number: usize, ask: &Ask<'_>) {
+        let count = ask.samples.len();
+        let costs = first(&mut self.costs, count, Cost::default);
+        let signals = first(&mut self.signals, count, Vec::new);
+        costs.par_iter_mut().zip(signals).zip(&ask.samples).enumerate().for_each_init(
             || problem.workspace(),
-            |workspace, ((cost, signals), sample)| problem.measure(draws, *sample, workspace, cost, signals),
+            |workspace, (k, ((cost, signals), sample))| {
+                problem.observe(ask.draws, number + k, *sample, ask.wants, workspace, cost, signals);
+            },
         );
     }
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! pi2:                 start, then (batch, evaluation) for each update
 //! gauss-newton, auto:  batches; their first motion is the start, and each is an evaluation
+//! model:               one motion at a time; the first is the start, and each is an evaluation
 //! cma-es:              start, then a batch for each update, each motion an evaluation
 //! ```
 //! Where the start may fail its motion ([`Problem::may_start_fail`]) and does, batches of motions near it follow until one
@@ -23,11 +24,11 @@ use crate::auto::{Patience, roots};
 use crate::drive::constant;
 use crate::record::{Price, Record};
 use crate::{
-    Batch, CmaEs, Cost, Draws, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error, Problem, Progress,
-    TerminationReason, shape,
+    Batch, CmaEs, Cost, Draws, History, LearnError, Method, ModelLearner, Note, Parameters, Pi2, Pi2Error, Problem,
+    Progress, TerminationReason, Wants, shape,
 };
 use learner::Learner;
-use seek::{Plan, Seek, active_method};
+use seek::{Plan, Seek, Signals, active_method, model_for};
 
 /// What to roll out next.
 #[derive(Debug)]
@@ -36,8 +37,8 @@ pub struct Ask<'s> {
     pub draws: Draws,
     /// With which parameters, a motion each.
     pub samples: Vec<Parameters<'s>>,
-    /// Whether the motions' signals are needed, or their costs alone.
-    pub wants_signals: bool,
+    /// What is needed of the motions beside their costs.
+    pub wants: Wants,
 }
 
 /// What came of telling.
@@ -113,6 +114,8 @@ pub struct Session {
 #[derive(Clone, Debug)]
 enum ActiveMethod {
     Pi2(Box<Pi2>),
+    /// A model of the environment, and what goes on after it.
+    Model(Box<ModelLearner>, Option<Box<Signals>>),
     /// Signals, or the costs of the steps.
     Signals(Box<Learner>),
     /// PI2 after the costs of the steps.
@@ -140,7 +143,7 @@ impl Session {
         };
         shape::check(blocks, steps, weights.len(), has_tables)?;
         let start = weights.clone();
-        let active = active_method(method, (blocks, steps), problem.signals(), weights)?;
+        let active = active_method(method, (blocks, steps), (problem.signals(), model_for(problem, method)), weights)?;
         let is_auto = matches!(method, Method::Auto(_));
         let notes = (is_auto && problem.signals().is_none()).then_some(Note::NoSignals).into_iter().collect();
         let plan = problem.may_start_fail().then(|| Box::new(Plan::new(problem, method)));
@@ -149,7 +152,7 @@ impl Session {
             Progress { update: 0, rollouts: 0, total: f64::INFINITY, terms: Vec::new(), exploration, weights: start };
         let motions = problem.motions().max(1);
         let is_random = problem.is_random();
-        let starts_with_batch = !is_random && matches!(active, ActiveMethod::Signals(..));
+        let starts_with_batch = !is_random && matches!(active, ActiveMethod::Signals(..) | ActiveMethod::Model(..));
         let due = (!starts_with_batch).then(|| initial.clone());
         let history = History {
             best: initial.clone(),
@@ -184,7 +187,12 @@ impl Session {
             return if self.over.is_none() { Some(self.ask_batch()) } else { None };
         }
         let samples = constant(self.due.iter().map(|due| &due.weights));
-        Some(Ask { draws: Draws::HeldOut, samples, wants_signals: false })
+        Some(Ask { draws: Draws::HeldOut, samples, wants: Wants::Costs })
+    }
+
+    /// Motions made so far.
+    pub(crate) fn made(&self) -> usize {
+        self.history.rollouts
     }
 
     /// What is yet to be evaluated.
@@ -216,9 +224,9 @@ impl Session {
         let room = self.room();
         if let Some(seek) = &self.seek {
             let samples = constant(seek.ask(self.rollouts.clamp(1, room)));
-            return Ask { draws: Draws::HeldOut, samples, wants_signals: false };
+            return Ask { draws: Draws::HeldOut, samples, wants: Wants::Costs };
         }
-        let (draws, samples, wants_signals) = match &self.method {
+        let (draws, samples, wants) = match &self.method {
             ActiveMethod::Pi2(learner) | ActiveMethod::Polish(learner, _) => {
                 let batch = self.batch.get_or_insert_with(|| {
                     let mut batch = core::mem::take(&mut self.spare);
@@ -226,16 +234,18 @@ impl Session {
                     batch
                 });
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
-                (Draws::Update(learner.update()), samples, false)
+                (Draws::Update(learner.update()), samples, Wants::Costs)
             }
+            ActiveMethod::Model(learner, _) => (Draws::Update(learner.made()), constant(learner.ask()), Wants::Motion),
             ActiveMethod::Signals(learner) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
-                (Draws::Update(0), constant(samples.iter().take(room)), learner.wants_signals())
+                let wants = if learner.wants_signals() { Wants::Signals } else { Wants::Costs };
+                (Draws::Update(0), constant(samples.iter().take(room)), wants)
             }
-            ActiveMethod::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
+            ActiveMethod::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), Wants::Costs),
         };
-        Ask { draws, samples, wants_signals }
+        Ask { draws, samples, wants }
     }
 
     /// Rollouts that may yet be made for batches, at least one.
@@ -246,7 +256,8 @@ impl Session {
 
     /// What forbids another batch, once all is evaluated that is due.
     fn limit(&self) -> Option<TerminationReason> {
-        let rollouts = if matches!(self.method, ActiveMethod::Signals(..)) { 1 } else { self.rollouts };
+        let is_one = matches!(self.method, ActiveMethod::Signals(..) | ActiveMethod::Model(..));
+        let rollouts = if is_one { 1 } else { self.rollouts };
         let needed = (usize::from(self.due.is_some()) + rollouts + usize::from(self.is_judged())) * self.motions;
         if self.history.updates >= self.updates {
             Some(TerminationReason::Updates)
@@ -282,28 +293,28 @@ impl Session {
 
     /// Takes what came of the samples of [`Session::ask_batch`].
     pub(crate) fn tell_batch(&mut self, costs: &[Cost], signals: &[Vec<f64>]) -> Result<TellOutcome, LearnError> {
-        let (asked, wants_signals) = match &self.batch {
-            Some(batch) => (batch.len(), false),
-            None if self.over.is_some() => (0, false),
+        let (asked, wants) = match &self.batch {
+            Some(batch) => (batch.len(), Wants::Costs),
+            None if self.over.is_some() => (0, Wants::Costs),
             None => {
                 let ask = self.ask_batch();
-                (ask.samples.len(), ask.wants_signals)
+                (ask.samples.len(), ask.wants)
             }
         };
         shape::length("costs", costs.len(), asked)?;
-        if wants_signals {
+        if wants != Wants::Costs {
             shape::length("signals", signals.len(), asked)?;
         }
         let prices = || costs.iter().map(Price::from).collect();
         let record = match &self.method {
             _ if self.seek.is_some() => Record::Costs(prices()),
             ActiveMethod::Pi2(_) | ActiveMethod::Polish(..) => self.update(costs)?,
-            ActiveMethod::Signals(..) => {
-                let signals_of = |(k, cost): (usize, &Cost)| match wants_signals {
-                    false => roots(cost),
-                    true if cost.total().is_finite() => signals[k].clone(),
+            ActiveMethod::Signals(..) | ActiveMethod::Model(..) => {
+                let signals_of = |(k, cost): (usize, &Cost)| match wants {
+                    Wants::Costs => roots(cost),
+                    _ if cost.total().is_finite() => signals[k].clone(),
                     // A rollout may fail without a signal that says so.
-                    true => vec![f64::NAN; signals[k].len()],
+                    _ => vec![f64::NAN; signals[k].len()],
                 };
                 let signals = costs.iter().enumerate().map(signals_of).collect();
                 Record::Signals { prices: prices(), signals }

@@ -5,6 +5,7 @@ mod cma_es;
 mod fit;
 mod gauss_newton;
 mod learn;
+mod model;
 mod pi2;
 mod session;
 mod starts;

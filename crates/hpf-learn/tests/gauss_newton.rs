@@ -293,7 +293,8 @@ fn learning_stops_at_the_motions_allowed_and_when_asked() {
 fn auto_takes_signals_where_there_are_any_and_costs_where_not() {
     let method = Method::Auto(AutoOptions { rollouts: 10, updates: 400, seed: 3 });
     let with = learn_with(&Toy::new(), Toy::start(), &method, None, |_| true).unwrap();
-    assert_eq!(with.best.weights, learned(&Toy::new(), options(10)).best.weights);
+    assert!(with.best.total <= learned(&Toy::new(), options(10)).best.total, "after signals PI2 goes on");
+    assert_eq!(with.notes, [Note::FellBack(Exhausted::NothingImproves)]);
     let blind = Toy { model: None, ..Toy::new() };
     let without = learn_with(&blind, Toy::start(), &method, None, |_| true).unwrap();
     let stalled = Exhausted::NothingImproves;
@@ -368,7 +369,7 @@ fn a_problem_without_signals_is_refused_by_the_method_that_needs_them() {
 fn reasons_and_notes_read_as_sentences() {
     assert!(Exhausted::Noise.to_string().starts_with("nothing improves, and the noise"));
     let note = Note::FellBack(Exhausted::NothingImproves).to_string();
-    assert_eq!(note, format!("pi2 goes on from the costs of the steps: {}", Exhausted::NothingImproves));
+    assert_eq!(note, format!("pi2 goes on: {}", Exhausted::NothingImproves));
     assert!(Note::StepCosts(Exhausted::NothingImproves).to_string().ends_with("with the response freshly learned"));
     assert!(Note::Coupled.to_string().contains("together"));
 }

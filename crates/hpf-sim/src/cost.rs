@@ -189,43 +189,46 @@ impl CostModel {
     /// Writes the signals of `trace`, axis by axis: half their squares, and the distances that some of them tell instead,
     /// are what it costs without stiffness and damping.
     pub(crate) fn signals(&self, trace: &Trace, signals: &mut Vec<f64>) {
-        let (steps, dt) = (trace.steps(), trace.dt());
-        let scale = self.offset_scale(steps);
         signals.clear();
-        for (a, axis) in trace.axes.iter().enumerate() {
-            signals.push(self.goal_weight[a].sqrt() * (axis.position[steps] - self.goal[a]));
-            signals.push(self.end_velocity_weight[a].sqrt() * axis.velocity[steps]);
-            for (time, position) in &self.via {
-                let error = trace.sample(&axis.position, *time) - position[a];
-                signals.push(self.via_weight[a].sqrt() * error);
+        (0..trace.axes.len()).for_each(|a| self.axis_signals(a, trace, signals));
+    }
+
+    /// Appends the signals of axis `a`: each is an affine function of its position, its velocity, and deviation and force
+    /// of its contact.
+    pub(crate) fn axis_signals(&self, a: usize, trace: &Trace, signals: &mut Vec<f64>) {
+        let (steps, dt) = (trace.steps(), trace.dt());
+        let (axis, scale) = (&trace.axes[a], self.offset_scale(steps));
+        signals.push(self.goal_weight[a].sqrt() * (axis.position[steps] - self.goal[a]));
+        signals.push(self.end_velocity_weight[a].sqrt() * axis.velocity[steps]);
+        for (time, position) in &self.via {
+            let error = trace.sample(&axis.position, *time) - position[a];
+            signals.push(self.via_weight[a].sqrt() * error);
+        }
+        for via in &self.free_via {
+            signals.extend(axis.position[..=steps].iter().map(|position| scale * (position - via.position[a])));
+        }
+        let factor = (self.acceleration_weight[a] * dt).sqrt();
+        if factor > 0.0 {
+            signals.extend(axis.acceleration(dt).take(steps).map(|a| factor * a));
+        }
+        if self.rest_weight[a] > 0.0 {
+            let time = self.rest_velocity_time;
+            let samples = axis.position[steps..].iter().zip(&axis.velocity[steps..]).zip(trapezoid(trace.rest_steps));
+            for ((position, velocity), share) in samples {
+                let root = (self.rest_weight[a] * dt * share).sqrt();
+                signals.extend([root * (position - self.goal[a]), root * time * velocity]);
             }
-            for via in &self.free_via {
-                signals.extend(axis.position[..=steps].iter().map(|position| scale * (position - via.position[a])));
-            }
-            let factor = (self.acceleration_weight[a] * dt).sqrt();
-            if factor > 0.0 {
-                signals.extend(axis.acceleration(dt).take(steps).map(|a| factor * a));
-            }
-            if self.rest_weight[a] > 0.0 {
-                let time = self.rest_velocity_time;
-                let samples =
-                    axis.position[steps..].iter().zip(&axis.velocity[steps..]).zip(trapezoid(trace.rest_steps));
-                for ((position, velocity), share) in samples {
-                    let root = (self.rest_weight[a] * dt * share).sqrt();
-                    signals.extend([root * (position - self.goal[a]), root * time * velocity]);
-                }
-            }
-            let Some(contact) = trace.contact.as_ref().filter(|contact| contact.axis == a) else { continue };
-            let roots: Vec<f64> = trapezoid(steps).map(|share| (share * dt).sqrt()).collect();
-            if self.tracking_weight > 0.0 {
-                let factor = self.tracking_weight.sqrt();
-                signals.extend(contact.deviation.iter().zip(&roots).map(|(error, root)| factor * root * error));
-            }
-            if self.contact_force_weight > 0.0 {
-                let factor = self.contact_force_weight.sqrt();
-                let errors = contact.force.iter().map(|force| force - contact.set_point);
-                signals.extend(errors.zip(&roots).map(|(error, root)| factor * root * error));
-            }
+        }
+        let Some(contact) = trace.contact.as_ref().filter(|contact| contact.axis == a) else { return };
+        let roots: Vec<f64> = trapezoid(steps).map(|share| (share * dt).sqrt()).collect();
+        if self.tracking_weight > 0.0 {
+            let factor = self.tracking_weight.sqrt();
+            signals.extend(contact.deviation.iter().zip(&roots).map(|(error, root)| factor * root * error));
+        }
+        if self.contact_force_weight > 0.0 {
+            let factor = self.contact_force_weight.sqrt();
+            let errors = contact.force.iter().map(|force| force - contact.set_point);
+            signals.extend(errors.zip(&roots).map(|(error, root)| factor * root * error));
         }
     }
 

@@ -6,12 +6,14 @@
 pub mod cantilever;
 pub mod disturbance;
 mod quantity;
+mod recording;
 mod sensor;
 pub mod wall;
 
 pub use cantilever::Cantilever;
 pub use disturbance::Disturbance;
 pub use quantity::{Distribution, Quantity};
+pub use recording::Recording;
 pub use sensor::{Actuator, Sensor};
 pub use wall::Wall;
 

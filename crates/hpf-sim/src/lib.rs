@@ -6,6 +6,7 @@ pub mod cost;
 pub mod demonstration;
 pub mod environment;
 mod metrics;
+mod model;
 mod policy;
 mod problem;
 pub mod robot;

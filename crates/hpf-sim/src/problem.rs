@@ -4,10 +4,11 @@ use core::slice;
 
 use hpf_learn::{
     Anneal, AutoOptions, Block, CmaEsOptions, Cost, Covariance, Credit, Draws, Exploration, GaussNewtonOptions, Method,
-    Parameters, Pi2Options, Problem, SignalModel, Temperature, fit,
+    Model, Parameters, Pi2Options, Problem, SignalModel, Temperature, Wants, fit,
 };
 
 use crate::environment::cantilever::minimum_jerk;
+use crate::model::EnvironmentModel;
 use crate::policy::{AxisPolicy, Policy};
 use crate::simulation::{LANES, Simulation, Workspace};
 use crate::task::{self, AnnealKind, CreditKind, ExplorationKind, InitialPath, Learning, Preset, TemperatureKind};
@@ -69,6 +70,23 @@ impl Problem for Simulation {
     ) {
         self.measure_draws(draws, parameters, workspace, cost, signals);
     }
+
+    fn model(&self) -> Option<Box<dyn Model>> {
+        EnvironmentModel::new(self).map(|model| Box::new(model) as Box<dyn Model>)
+    }
+
+    fn observe(
+        &self,
+        draws: Draws,
+        number: usize,
+        parameters: Parameters<'_>,
+        wants: Wants,
+        workspace: &mut Workspace,
+        cost: &mut Cost,
+        shown: &mut Vec<f64>,
+    ) {
+        self.observe_draws((draws, number), parameters, wants, workspace, cost, shown);
+    }
 }
 
 impl Learning {
@@ -80,6 +98,9 @@ impl Learning {
             task::Method::GaussNewton => Method::GaussNewton(signals),
             task::Method::Auto => {
                 Method::Auto(AutoOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
+            }
+            task::Method::Model => {
+                Method::Model(AutoOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })
             }
             task::Method::CmaEs => {
                 Method::CmaEs(CmaEsOptions { rollouts: self.rollouts, updates: self.updates, seed: self.seed })

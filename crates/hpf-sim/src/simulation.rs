@@ -20,8 +20,10 @@ mod draws;
 mod inertial;
 mod measured;
 mod motion;
+mod planned;
 mod plant;
 mod profiles;
+mod recorded;
 mod roll;
 mod scenario;
 mod table;
@@ -46,6 +48,7 @@ use tool::ContactModel;
 
 pub(crate) use batch::LANES;
 pub use batch::Workspace;
+pub(crate) use planned::Planned;
 
 /// Why a skill cannot be simulated in a task.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -289,6 +292,13 @@ impl Simulation {
     /// order of [`hpf_learn::Problem::signals`].
     pub fn signals_into(&self, trace: &Trace, signals: &mut Vec<f64>) {
         self.cost.signals(trace, signals);
+    }
+
+    /// What of `trace` a model of the environment reads: position and force of each axis, deviation and force of the
+    /// contact, each at every sample.
+    pub fn motion_into(&self, trace: &Trace, motion: &mut Vec<f64>) {
+        motion.clear();
+        crate::model::flatten(trace, self.priced_samples(), motion);
     }
 
     /// The names of the cost's terms, in the order of its columns.

@@ -18,14 +18,14 @@ mod sizes;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::environment::{Actuator, Contact, Disturbance, Sensor};
+use crate::environment::{Actuator, Contact, Disturbance, Recording, Sensor};
 
 pub(crate) use reading::read;
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
 pub(crate) use keys::nearest;
 pub use learning::{
-    AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset,
+    AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset, Safety,
     TemperatureKind,
 };
 pub use mistakes::{Diagnostic, Mistakes};
@@ -97,6 +97,8 @@ pub struct Task {
     pub sensor: Option<Sensor>,
     /// How the tool follows its command; left out, at once.
     pub actuator: Option<Actuator>,
+    /// How motions are recorded; left out, as they are.
+    pub recording: Option<Recording>,
     /// Positions to pass through.
     #[serde(default)]
     #[schemars(length(max = 100))]

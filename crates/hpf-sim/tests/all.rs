@@ -11,6 +11,8 @@ mod generator;
 mod imitation;
 mod inertial;
 mod learned_parts;
+mod learning_cases;
+mod model;
 mod optimum;
 mod policy;
 mod process;

@@ -124,11 +124,13 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
         ("[admittance]", "Admittance"),
         ("[sensor]", "Sensor"),
         ("[actuator]", "Actuator"),
+        ("[recording]", "Recording"),
         ("[[via_point]]", "ViaPoint"),
         ("[cost]", "CostWeights"),
         ("[learning]", "Learning"),
         ("[learning] noise", "Noise"),
         ("[learning] covariance", "CovarianceKind"),
+        ("[learning.safety]", "Safety"),
         ("[output]", "Output"),
         ("[accept]", "Accept"),
     ] {

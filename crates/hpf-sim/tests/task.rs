@@ -147,7 +147,7 @@ fn a_value_of_the_wrong_type_says_what_it_is_and_what_it_must_be() {
         ("method = \"pi2\"", "method = 2"),
         "2",
         "`method` cannot be a number",
-        "`method` must be \"pi2\" or \"gauss-newton\" or \"auto\" or \"cma-es\"",
+        "`method` must be \"pi2\" or \"gauss-newton\" or \"model\" or \"auto\" or \"cma-es\"",
     );
 }
 

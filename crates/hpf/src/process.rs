@@ -13,7 +13,7 @@ use core::time::Duration;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use hpf_learn::{Block, Cost, Draws, Parameters, Problem, SignalModel};
+use hpf_learn::{Block, Cost, Draws, Model, Parameters, Problem, SignalGroup, SignalModel, Wants};
 use hpf_sim::task::{Process as Settings, Task};
 use hpf_sim::{Policy, Simulation, Trace};
 
@@ -31,6 +31,8 @@ pub struct Process<'s> {
     hello: protocol::Hello,
     /// What the workers answer with.
     kind: Kind,
+    /// The signals of a rollout, where its workers answer with residuals.
+    residuals: Option<SignalModel>,
     /// The workers without a rollout.
     free: Mutex<Vec<Worker>>,
     freed: Condvar,
@@ -73,7 +75,7 @@ fn start_all(
         worker.spawn(settings, hello)?;
     }
     let timeout = Duration::from_secs_f64(settings.timeout);
-    let kinds = workers.iter_mut().map(|worker| worker.ready(timeout, watch).map_err(|why| worker.blame(&why)));
+    let kinds = workers.iter_mut().map(|worker| worker.ready(hello, timeout, watch).map_err(|why| worker.blame(&why)));
     let kinds = kinds.collect::<Result<Vec<Kind>, String>>()?;
     match kinds.iter().find(|kind| **kind != kinds[0]) {
         Some(_) => Err(format!("`{}`: its workers do not all answer alike", settings.command[0])),
@@ -87,9 +89,23 @@ fn misfit(kind: Kind, task: &Task) -> Option<&'static str> {
     let has_weights = task.cost != hpf_sim::task::CostWeights::default();
     match kind {
         Kind::Costs if has_targets => Some("answers with costs, and the targets of [accept] need traces"),
+        Kind::Residuals(_) if has_targets => Some("answers with residuals, and the targets of [accept] need traces"),
         Kind::Trace if !has_weights => Some("answers with traces, and no term of [cost] has a weight"),
         _ => None,
     }
+}
+
+/// What is known of residuals: nothing but that each may answer to every parameter.
+fn residual_model(kind: Kind, blocks: &[Block]) -> Option<SignalModel> {
+    let Kind::Residuals(count) = kind else { return None };
+    let parameters = blocks.iter().map(|block| block.count).sum();
+    let group = SignalGroup { parameters: 0..parameters, signals: 0..count };
+    Some(SignalModel { groups: vec![group], price: vec![Vec::new(); blocks.len()], distances: Vec::new() })
+}
+
+/// Half the sum of the squares of `residuals`.
+fn half_square(residuals: &[f64]) -> f64 {
+    0.5 * residuals.iter().map(|residual| residual * residual).sum::<f64>()
 }
 
 impl<'s> Process<'s> {
@@ -127,6 +143,7 @@ impl<'s> Process<'s> {
             settings: settings.clone(),
             hello,
             kind,
+            residuals: residual_model(kind, simulation.blocks()),
             free: Mutex::new(workers),
             freed: Condvar::new(),
             next: AtomicU64::new(1),
@@ -262,8 +279,16 @@ impl Drop for Process<'_> {
     }
 }
 
+/// What a rollout left.
+#[derive(Debug)]
+pub struct Motion {
+    /// As measured; as planned, where nothing was.
+    trace: Trace,
+    residuals: Vec<f64>,
+}
+
 impl Problem for Process<'_> {
-    type Workspace = Trace;
+    type Workspace = Motion;
 
     fn blocks(&self) -> &[Block] {
         self.simulation.blocks()
@@ -277,16 +302,20 @@ impl Problem for Process<'_> {
         self.simulation.terms()
     }
 
-    fn workspace(&self) -> Trace {
-        self.simulation.blank_trace()
+    fn workspace(&self) -> Motion {
+        Motion { trace: self.simulation.blank_trace(), residuals: Vec::new() }
     }
 
-    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace, cost: &mut Cost) {
+    fn rollout(&self, draws: Draws, parameters: Parameters<'_>, motion: &mut Motion, cost: &mut Cost) {
         let blank = || Cost { running: vec![0.0; self.steps()], terminal: 0.0, terms: vec![0.0; self.terms().len()] };
-        *cost = match self.answer(draws, parameters, trace) {
-            Some(Answer::Trace) => self.simulation.cost(trace),
+        *cost = match self.answer(draws, parameters, &mut motion.trace) {
+            Some(Answer::Trace) => self.simulation.cost(&motion.trace),
             Some(Answer::Total(terminal)) => Cost { terminal, ..blank() },
             Some(Answer::Steps(running, terminal)) => Cost { running, terminal, ..blank() },
+            Some(Answer::Residuals(residuals)) => {
+                motion.residuals = residuals;
+                Cost { terminal: half_square(&motion.residuals), ..blank() }
+            }
             Some(Answer::Failed(_)) | None => Cost { terminal: f64::NAN, ..blank() },
         };
     }
@@ -300,19 +329,56 @@ impl Problem for Process<'_> {
     }
 
     fn signals(&self) -> Option<&SignalModel> {
-        if self.leaves_traces() { Problem::signals(self.simulation) } else { None }
+        match self.kind {
+            Kind::Trace => Problem::signals(self.simulation),
+            Kind::Residuals(_) => self.residuals.as_ref(),
+            Kind::Costs => None,
+        }
     }
 
     fn measure(
         &self,
         draws: Draws,
         parameters: Parameters<'_>,
-        trace: &mut Trace,
+        motion: &mut Motion,
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        self.rollout(draws, parameters, trace, cost);
-        // Of a failed rollout these are of the plan; its cost says that they are none.
-        self.simulation.signals_into(trace, signals);
+        self.rollout(draws, parameters, motion, cost);
+        // Of a failed rollout these are of the plan, or of another rollout; its cost says that they are none.
+        match self.kind {
+            Kind::Residuals(count) => {
+                signals.clone_from(&motion.residuals);
+                signals.resize(count, 0.0);
+            }
+            Kind::Trace | Kind::Costs => self.simulation.signals_into(&motion.trace, signals),
+        }
+    }
+
+    fn model(&self) -> Option<Box<dyn Model>> {
+        if self.leaves_traces() { self.simulation.model() } else { None }
+    }
+
+    fn observe(
+        &self,
+        draws: Draws,
+        _: usize,
+        parameters: Parameters<'_>,
+        wants: Wants,
+        motion: &mut Motion,
+        cost: &mut Cost,
+        shown: &mut Vec<f64>,
+    ) {
+        match wants {
+            Wants::Costs => {
+                self.rollout(draws, parameters, motion, cost);
+                shown.clear();
+            }
+            Wants::Signals => self.measure(draws, parameters, motion, cost, shown),
+            Wants::Motion => {
+                self.rollout(draws, parameters, motion, cost);
+                self.simulation.motion_into(&motion.trace, shown);
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@ use crate::{Exhausted, GaussNewton};
 #[derive(Clone, Debug)]
 pub(super) enum Learner {
     /// Gauss-Newton on signals.
-    Signals(GaussNewton),
+    Signals(GaussNewton, Option<FallBack>),
     /// Gauss-Newton on the roots of costs.
     Roots(GaussNewton, FallBack),
     /// The squares of costs.
@@ -19,7 +19,7 @@ pub(super) enum Learner {
 macro_rules! each {
     ($self:ident, $learner:ident => $result:expr) => {
         match $self {
-            Self::Signals($learner) | Self::Roots($learner, _) => $result,
+            Self::Signals($learner, _) | Self::Roots($learner, _) => $result,
             Self::StepCosts($learner, _) => $result,
         }
     };
@@ -55,12 +55,12 @@ impl Learner {
 
     /// Whether it is told signals, rather than the roots of costs.
     pub(super) fn wants_signals(&self) -> bool {
-        matches!(self, Self::Signals(_))
+        matches!(self, Self::Signals(..))
     }
 
     pub(super) fn is_coupled(&self) -> bool {
         match self {
-            Self::Signals(learner) | Self::Roots(learner, _) => learner.is_coupled(),
+            Self::Signals(learner, _) | Self::Roots(learner, _) => learner.is_coupled(),
             Self::StepCosts(..) => false,
         }
     }

@@ -121,6 +121,7 @@ impl Session {
                 Ok(None)
             }
             (ActiveMethod::Signals(..), Record::Signals { prices, signals }) => self.answered(prices, signals),
+            (ActiveMethod::Model(..), Record::Signals { prices, signals }) => self.moved(prices, signals),
             (ActiveMethod::CmaEs(learner), Record::Costs(prices)) => {
                 if prices.len() != learner.ask().len() {
                     return Err(LearnError::WrongRecord);
@@ -138,6 +139,31 @@ impl Session {
             }
             _ => Err(LearnError::WrongRecord),
         }
+    }
+
+    /// Takes the record of a motion that a model proposed.
+    fn moved(&mut self, prices: &[Price], motions: &[Vec<f64>]) -> Result<Option<Progress>, LearnError> {
+        let (ActiveMethod::Model(learner, _), [price], [motion]) = (&self.method, prices, motions) else {
+            return Err(LearnError::WrongRecord);
+        };
+        if motion.len() != learner.shown() {
+            return Err(LearnError::WrongRecord);
+        }
+        let samples = learner.ask().to_vec();
+        let is_start = self.history.rollouts == 0;
+        let initial = if is_start { self.started(price)? } else { None };
+        if self.seek.is_some() {
+            return Ok(None);
+        }
+        self.history.rollouts += if is_start { 0 } else { self.motions };
+        let ActiveMethod::Model(learner, _) = &mut self.method else { unreachable!("matched above") };
+        let (update, radius) = (learner.update(), learner.radius());
+        self.history.rejected += learner.tell(price.total, motion);
+        if learner.update() == update {
+            return Ok(initial);
+        }
+        self.offer(&samples, prices);
+        Ok(self.end_update(radius))
     }
 
     /// Takes the record of a batch of Gauss-Newton.
@@ -201,11 +227,16 @@ impl Session {
             return;
         }
         // What comes next may have nothing to learn, either.
-        while let ActiveMethod::Signals(learner) = &self.method
-            && let Some(reason) = learner.exhausted()
-            && self.over.is_none()
-        {
-            self.exhaust(reason);
+        loop {
+            let exhausted = match &self.method {
+                ActiveMethod::Signals(learner) => learner.exhausted(),
+                ActiveMethod::Model(learner, _) => learner.exhausted(),
+                _ => None,
+            };
+            match exhausted {
+                Some(reason) if self.over.is_none() => self.exhaust(reason),
+                _ => break,
+            }
         }
         let best = self.history.best.total;
         if let ActiveMethod::Polish(learner, patience) = &mut self.method
@@ -215,13 +246,26 @@ impl Session {
         }
         if self.over.is_none() {
             self.over = self.limit();
+            if self.over == Some(TerminationReason::Rollouts) && self.history.updates == 0 {
+                self.history.notes.push(Note::TooFew);
+            }
         }
     }
 
-    /// Ends learning from signals; from costs, hands over to their squares or to PI2.
+    /// Ends learning from a model, signals or costs, and hands over to what comes after it.
     fn exhaust(&mut self, reason: Exhausted) {
         self.history.best = self.history().best;
         self.cheapest = None;
+        if let ActiveMethod::Model(_, after) = &self.method {
+            match after {
+                Some(signals) => {
+                    self.history.notes.push(Note::Signals(reason));
+                    self.method = signals.active(self.history.best.weights.clone());
+                }
+                None => self.over = Some(TerminationReason::Exhausted(reason)),
+            }
+            return;
+        }
         let ActiveMethod::Signals(learner) = &self.method else { return };
         let is_negative = self.history.updates == 0 && reason == Exhausted::NoSignals;
         let polish = |fall_back: &FallBack, scales: Vec<f64>| {
@@ -229,8 +273,12 @@ impl Session {
             ActiveMethod::Polish(Box::new(learner), Patience::new(self.history.best.total))
         };
         let next = match &**learner {
-            Learner::Signals(_) => None,
             // Where even the smallest perturbations fail, samples of PI2 would, too.
+            Learner::Signals(_, Some(_)) if reason == Exhausted::NoSignals => None,
+            Learner::Signals(learner, Some(fall_back)) => {
+                Some((Note::FellBack(reason), polish(fall_back, learner.scales())))
+            }
+            Learner::Signals(_, None) => None,
             Learner::StepCosts(..) if reason == Exhausted::NoSignals => None,
             Learner::StepCosts(learner, fall_back) => {
                 Some((Note::FellBack(reason), polish(fall_back, learner.scales())))

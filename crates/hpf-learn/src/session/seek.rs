@@ -8,7 +8,7 @@ use rand::RngExt as _;
 use super::{ActiveMethod, Learner};
 use crate::auto::{FallBack, on_roots};
 use crate::noise::stream;
-use crate::{Block, CmaEs, GaussNewton, LearnError, Method, Pi2, Problem, SignalModel};
+use crate::{Block, CmaEs, GaussNewton, LearnError, Method, Model, ModelLearner, Pi2, Problem, SignalModel};
 
 /// Motions tried near a start that fails, at most.
 const MOST: usize = 50;
@@ -19,23 +19,58 @@ const UPDATE: usize = u32::MAX as usize;
 pub(super) fn active_method(
     method: &Method,
     (blocks, steps): (&[Block], usize),
-    model: Option<&SignalModel>,
+    (model, environment): (Option<&SignalModel>, Option<Box<dyn Model>>),
     weights: Vec<f64>,
 ) -> Result<ActiveMethod, LearnError> {
-    let signals = |options, model, weights| {
-        ActiveMethod::Signals(Box::new(Learner::Signals(GaussNewton::new(blocks, model, weights, options))))
+    let signals = |options, model, fall_back, weights| {
+        let learner = GaussNewton::new(blocks, model, weights, options);
+        ActiveMethod::Signals(Box::new(Learner::Signals(learner, fall_back)))
     };
+    let fall_back = |options| FallBack { blocks: blocks.to_vec(), steps, options };
     Ok(match (*method, model) {
         (Method::Pi2(options), _) => ActiveMethod::Pi2(Box::new(Pi2::checked(blocks, steps, weights, options))),
         (Method::CmaEs(options), _) => ActiveMethod::CmaEs(Box::new(CmaEs::new(blocks, weights, options))),
-        (Method::GaussNewton(options), Some(model)) => signals(options, model, weights),
+        (Method::Model(_), _) => {
+            let environment = environment.ok_or(LearnError::NoModel)?;
+            ActiveMethod::Model(Box::new(ModelLearner::new(environment, weights)), None)
+        }
+        (Method::GaussNewton(options), Some(model)) => signals(options, model, None, weights),
         (Method::GaussNewton(_), None) => return Err(LearnError::NoSignals),
-        (Method::Auto(options), Some(model)) => signals(options.signals(), model, weights),
+        (Method::Auto(options), Some(model)) => {
+            let after = Signals { model: model.clone(), fall_back: fall_back(options) };
+            match environment {
+                Some(environment) => {
+                    ActiveMethod::Model(Box::new(ModelLearner::new(environment, weights)), Some(Box::new(after)))
+                }
+                None => after.active(weights),
+            }
+        }
         (Method::Auto(options), None) => {
-            let fall_back = FallBack { blocks: blocks.to_vec(), steps, options };
-            ActiveMethod::Signals(Box::new(Learner::Roots(on_roots(blocks, steps, weights, options), fall_back)))
+            let learner = on_roots(blocks, steps, weights, options);
+            ActiveMethod::Signals(Box::new(Learner::Roots(learner, fall_back(options))))
         }
     })
+}
+
+/// The model of the environment that `method` begins with, where `problem` has one.
+pub(super) fn model_for<P: Problem>(problem: &P, method: &Method) -> Option<Box<dyn Model>> {
+    if matches!(method, Method::Model(_) | Method::Auto(_)) { problem.model() } else { None }
+}
+
+/// What learning from signals needs where a model of the environment has ended.
+#[derive(Clone, Debug)]
+pub(super) struct Signals {
+    model: SignalModel,
+    fall_back: FallBack,
+}
+
+impl Signals {
+    /// Learning from signals from `weights`, and after it PI2.
+    pub(super) fn active(&self, weights: Vec<f64>) -> ActiveMethod {
+        let FallBack { blocks, options, .. } = &self.fall_back;
+        let learner = GaussNewton::new(blocks, &self.model, weights, options.signals());
+        ActiveMethod::Signals(Box::new(Learner::Signals(learner, Some(self.fall_back.clone()))))
+    }
 }
 
 /// How learning begins, from wherever it may.
@@ -45,13 +80,14 @@ pub(super) struct Plan {
     blocks: Vec<Block>,
     steps: usize,
     model: Option<SignalModel>,
+    environment: Option<Box<dyn Model>>,
 }
 
 impl Plan {
     /// Of learning `problem` by `method`.
     pub(super) fn new<P: Problem>(problem: &P, method: &Method) -> Self {
         let (blocks, model) = (problem.blocks().to_vec(), problem.signals().cloned());
-        Self { method: *method, blocks, steps: problem.steps(), model }
+        Self { method: *method, blocks, steps: problem.steps(), model, environment: model_for(problem, method) }
     }
 
     /// Looks for a start near `start`, which failed.
@@ -109,7 +145,7 @@ impl Seek {
 
     /// The first method from `weights`.
     pub(super) fn active(&self, weights: Vec<f64>) -> Result<ActiveMethod, LearnError> {
-        let Plan { method, blocks, steps, model } = &*self.plan;
-        active_method(method, (blocks, *steps), model.as_ref(), weights)
+        let Plan { method, blocks, steps, model, environment } = &*self.plan;
+        active_method(method, (blocks, *steps), (model.as_ref(), environment.clone()), weights)
     }
 }

@@ -38,15 +38,16 @@ impl Simulation {
     /// Makes a rollout of each of `parameters` and writes what it cost: the same bits together as alone.
     pub(crate) fn roll_costs(
         &self,
-        scenario: &Scenario,
+        (scenario, draw): (&Scenario, usize),
         parameters: &[Parameters<'_>],
         workspace: &mut Workspace,
         costs: &mut [Cost],
     ) {
-        if !self.cost.is_by_axis() {
+        if !self.cost.is_by_axis() || self.records_noise() {
             let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
             for (&parameters, cost) in parameters.iter().zip(costs) {
                 self.rollout_in(scenario, parameters, trace);
+                self.record(trace, Self::numbers_of(parameters, draw));
                 self.cost_into(trace, cost);
             }
             return;

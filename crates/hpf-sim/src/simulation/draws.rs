@@ -4,11 +4,12 @@
 use core::ops::Range;
 use core::{mem, slice};
 
-use hpf_learn::{Cost, Distance, Draws, Parameters, SignalGroup, SignalModel};
+use hpf_learn::{Cost, Distance, Draws, Parameters, SignalGroup, SignalModel, Wants};
 
 use super::scenario::{Scenario, Set};
 use super::{Simulation, Workspace};
 use crate::metrics::{Metric, over_draws};
+use crate::model::flatten;
 
 /// The signals of `draws` motions, axis by axis, from the model of one motion.
 pub(super) fn repeated(model: SignalModel, draws: usize) -> SignalModel {
@@ -72,11 +73,11 @@ impl Simulation {
     ) {
         let (mut kept, mut own) = (workspace.scenarios.take(), mem::take(&mut workspace.costs));
         match self.scenarios(draws, &mut kept) {
-            [only] => self.roll_costs(only, parameters, workspace, costs),
+            [only] => self.roll_costs((only, 0), parameters, workspace, costs),
             several => {
                 own.resize_with(costs.len(), Cost::default);
                 for (i, scenario) in several.iter().enumerate() {
-                    self.roll_costs(scenario, parameters, workspace, &mut own);
+                    self.roll_costs((scenario, i), parameters, workspace, &mut own);
                     costs.iter_mut().zip(&own).for_each(|(mean, cost)| add_mean(mean, cost, i == 0, several.len()));
                 }
             }
@@ -93,6 +94,19 @@ impl Simulation {
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
+        self.observe_draws((draws, 0), parameters, Wants::Signals, workspace, cost, signals);
+    }
+
+    /// Makes rollout `number` in every draw and writes what it cost and what is wanted of it, as recorded.
+    pub(crate) fn observe_draws(
+        &self,
+        (draws, number): (Draws, usize),
+        parameters: Parameters<'_>,
+        wants: Wants,
+        workspace: &mut Workspace,
+        cost: &mut Cost,
+        signals: &mut Vec<f64>,
+    ) {
         let Workspace { trace, scenarios, signals: own, .. } = workspace;
         let trace = trace.get_or_insert_with(|| self.blank_trace());
         let scenarios = self.scenarios(draws, scenarios);
@@ -101,14 +115,25 @@ impl Simulation {
         let mut one = Cost::default();
         for (i, (scenario, own)) in scenarios.iter().zip(own.iter_mut()).enumerate() {
             self.rollout_in(scenario, parameters, trace);
+            self.record(trace, [number as u64, i as u64]);
             self.cost_into(trace, &mut one);
             match count {
                 1 => mem::swap(cost, &mut one),
                 _ => add_mean(cost, &one, i == 0, count),
             }
-            self.signals_into(trace, own);
+            match wants {
+                Wants::Motion => {
+                    own.clear();
+                    flatten(trace, self.priced_samples(), own);
+                }
+                Wants::Signals | Wants::Costs => self.signals_into(trace, own),
+            }
         }
         signals.clear();
+        if wants == Wants::Motion {
+            signals.extend(own.iter().flatten());
+            return;
+        }
         let share = (count as f64).sqrt().recip();
         for group in &self.signals.groups {
             let range = group.signals.start / count..group.signals.end / count;

@@ -34,6 +34,11 @@ impl<const N: usize> Reference<N> {
         })
     }
 
+    /// Scale of the forcing term.
+    pub(super) fn forcing_scale(&self) -> f64 {
+        self.movement.forcing_scale().to_f64()
+    }
+
     /// Where the movement starts.
     pub(super) fn start(&self) -> Lanes<N> {
         self.movement.initial_state().position

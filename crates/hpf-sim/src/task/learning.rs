@@ -53,6 +53,9 @@ pub struct Learning {
     pub covariance: Option<CovarianceKind>,
     /// Whether an update moves the weights along the basis vectors only; the preset decides where this is left out.
     pub projection: Option<bool>,
+    /// Limits that every planned motion keeps, by prediction; with `method = "model"`, which makes no others. The first
+    /// motion is the start policy's.
+    pub safety: Option<Safety>,
     /// The path that learning starts from.
     pub initial_path: InitialPath,
     /// Seed of all random numbers.
@@ -79,10 +82,24 @@ impl Default for Learning {
             credit: None,
             covariance: None,
             projection: None,
+            safety: None,
             initial_path: InitialPath::Pull,
             seed: 1,
         }
     }
+}
+
+/// Limits of planned motions.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Safety {
+    /// Largest force on the tool, of a contact that with which it presses, above 0 [N or N m].
+    pub max_force: Option<PerAxis>,
+    /// Largest velocity of the tool, above 0 [axis unit/s].
+    pub max_velocity: Option<PerAxis>,
+    /// Where the tool may be: smallest and largest position of each axis [axis unit].
+    pub workspace: Option<Vec<[f64; 2]>>,
 }
 
 /// A learning method.
@@ -95,7 +112,12 @@ pub enum Method {
     /// time), `max_rollouts`, `noise` (the largest perturbations), `initial_path` and `seed`.
     #[serde(rename = "gauss-newton")]
     GaussNewton,
-    /// Signals where the environment has them, else the costs of the steps (their roots, then the squares that they are
+    /// A model of the environment, fitted to the motions made and planned in: a few motions, none of them random. The keys
+    /// of `gauss-newton` but `rollouts` and `noise`.
+    #[serde(rename = "model")]
+    Model,
+    /// `model` where motions are recorded with position and force, then `gauss-newton` where the environment has signals;
+    /// else the costs of the steps (their roots, then the squares that they are
     /// made of), then PI2; the keys of `gauss-newton`.
     #[serde(rename = "auto")]
     Auto,
@@ -111,6 +133,7 @@ impl Method {
         match self {
             Self::Pi2 => "pi2",
             Self::GaussNewton => "gauss-newton",
+            Self::Model => "model",
             Self::Auto => "auto",
             Self::CmaEs => "cma-es",
         }

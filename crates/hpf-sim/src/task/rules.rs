@@ -32,6 +32,7 @@ pub(super) fn check(task: &Task, document: &Document<'_>, found: &mut Vec<Diagno
     if named && task.axis.len() <= MAX_AXES {
         rules.environment();
         rules.learned();
+        rules.safety();
     }
     rules.via_points();
     // What a file lacks is told only where every key is known: a misspelt table would be told twice.
@@ -114,6 +115,14 @@ impl Rules<'_, '_, '_> {
         let mut values = vec![("movement.alpha", &task.movement.alpha, true)];
         if let Some(mass) = &task.admittance.mass {
             values.push(("admittance.mass", mass, true));
+        }
+        if let Some(safety) = &task.learning.safety {
+            values.extend(safety.max_force.as_ref().map(|limit| ("learning.safety.max_force", limit, true)));
+            values.extend(safety.max_velocity.as_ref().map(|limit| ("learning.safety.max_velocity", limit, true)));
+        }
+        if let Some(recording) = &task.recording {
+            values.push(("recording.position_noise", &recording.position_noise, false));
+            values.push(("recording.force_noise", &recording.force_noise, false));
         }
         if let Scaling::Given(given) = &task.movement.scaling {
             self.axis_count("movement.scaling.amplitude", &given.amplitude);

@@ -232,6 +232,11 @@ fn environment(text: &mut Text, dice: &mut Dice, is_linear: &[bool], duration: f
             text.key("lag", format!("{:?}", duration * dice.wide(1e-4, 1.0)));
         }
     }
+    if dice.chance(0.2) {
+        text.table("[recording]");
+        text.maybe(dice, "position_noise", |dice| dice.per_axis(is_linear.len(), |dice| dice.wide(1e-6, 1e-2)));
+        text.maybe(dice, "force_noise", |dice| dice.per_axis(is_linear.len(), |dice| dice.wide(1e-4, 1.0)));
+    }
     has_contact
 }
 

@@ -19,13 +19,14 @@ const ENVELOPE: usize = 1 << 16;
 const NUMBER: usize = 32;
 
 /// What a worker answers with.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A total, or the cost of each step.
     Costs,
     /// Positions, velocities and forces, of which hpf makes costs and signals.
     Trace,
+    /// So many numbers, half the sum of whose squares is the cost.
+    Residuals(usize),
 }
 
 /// What every worker is told first, but for its number.
@@ -36,7 +37,8 @@ pub struct Hello {
     steps: usize,
     policy: Value,
     axes: Vec<String>,
-    longest_line: usize,
+    /// Numbers of a trace.
+    most_numbers: usize,
 }
 
 impl Hello {
@@ -49,13 +51,18 @@ impl Hello {
             steps: task.steps(),
             policy: serde_json::from_str(&policy.to_json()).expect("a policy is JSON"),
             axes: task.axis.iter().map(|axis| axis.name.clone()).collect(),
-            longest_line: ENVELOPE + NUMBER * 3 * task.axis.len() * (task.steps() + 1),
+            most_numbers: 3 * task.axis.len() * (task.steps() + 1),
         }
     }
 
     /// Longest line that is read from a worker [bytes]: every signal of every axis in full digits, and room.
     pub fn longest_line(&self) -> usize {
-        self.longest_line
+        ENVELOPE + NUMBER * self.most_numbers
+    }
+
+    /// Most residuals of a rollout: as many as a trace has numbers.
+    pub fn most_residuals(&self) -> usize {
+        self.most_numbers
     }
 
     /// The line for worker `number`.
@@ -75,14 +82,23 @@ struct Ready {
     #[serde(rename = "type")]
     kind: String,
     protocol: u32,
-    answers: Kind,
+    answers: Answers,
+    residuals: Option<usize>,
 }
 
-/// Reads the answer to a hello.
+#[derive(Clone, Copy, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+enum Answers {
+    Costs,
+    Trace,
+    Residuals,
+}
+
+/// Reads the answer to a hello; a rollout has at most `most` residuals.
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn ready(line: &str) -> Result<Kind, String> {
+pub fn ready(line: &str, most: usize) -> Result<Kind, String> {
     let ready: Ready = read(line)?;
     if ready.kind != "ready" {
         return Err(nonsense(line, "its type is not \"ready\""));
@@ -93,7 +109,18 @@ pub fn ready(line: &str) -> Result<Kind, String> {
             ready.protocol
         ));
     }
-    Ok(ready.answers)
+    match (ready.answers, ready.residuals) {
+        (Answers::Costs, None) => Ok(Kind::Costs),
+        (Answers::Trace, None) => Ok(Kind::Trace),
+        (Answers::Residuals, Some(count)) if (1..=most).contains(&count) => Ok(Kind::Residuals(count)),
+        (Answers::Residuals, Some(count)) => {
+            Err(format!("announces {count} residuals; a rollout of this task may have 1 to {most}"))
+        }
+        (Answers::Residuals, None) => Err(nonsense(line, "`residuals` must say how many there are")),
+        (Answers::Costs | Answers::Trace, Some(_)) => {
+            Err(nonsense(line, "`residuals` belongs to \"answers\": \"residuals\""))
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -172,6 +199,8 @@ pub enum Answer {
     Steps(Vec<f64>, f64),
     /// What was measured, now in the trace.
     Trace,
+    /// Numbers, half the sum of whose squares is the cost.
+    Residuals(Vec<f64>),
     /// Nothing, and why.
     Failed(String),
 }
@@ -203,6 +232,8 @@ struct Done {
     costs: Option<Vec<f64>>,
     #[serde(default, deserialize_with = "number")]
     terminal: Option<f64>,
+    #[serde(default, deserialize_with = "some_numbers")]
+    residuals: Option<Vec<f64>>,
     axes: Option<Vec<Measured>>,
     error: Option<String>,
 }
@@ -231,24 +262,30 @@ pub fn answer(line: &str, id: u64, kind: Kind, trace: &mut Trace) -> Result<Answ
     if done.id != id {
         return wrong(&format!("its id is {}, asked for was {id}", done.id));
     }
-    match (kind, done) {
-        (_, Done { error: Some(why), cost: None, costs: None, terminal: None, axes: None, .. }) => {
-            Ok(Answer::Failed(shown(&why)))
-        }
-        (Kind::Costs, Done { cost: Some(cost), costs: None, terminal: None, axes: None, error: None, .. }) => {
-            Ok(Answer::Total(cost))
-        }
-        (Kind::Costs, Done { costs: Some(costs), terminal, cost: None, axes: None, error: None, .. }) => {
+    let Done { cost, costs, terminal, residuals, axes, error, .. } = done;
+    match (kind, cost, costs, terminal, residuals, axes, error) {
+        (_, None, None, None, None, None, Some(why)) => Ok(Answer::Failed(shown(&why))),
+        (Kind::Costs, Some(cost), None, None, None, None, None) => Ok(Answer::Total(cost)),
+        (Kind::Costs, None, Some(costs), terminal, None, None, None) => {
             if costs.len() != trace.steps() {
                 return wrong(&format!("{} costs for {} steps", costs.len(), trace.steps()));
             }
             Ok(Answer::Steps(costs, terminal.unwrap_or(0.0)))
         }
-        (Kind::Trace, Done { axes: Some(axes), cost: None, costs: None, terminal: None, error: None, .. }) => {
-            measured(axes, trace).or_else(|why| wrong(&why))
+        (Kind::Residuals(count), None, None, None, Some(residuals), None, None) => {
+            if residuals.len() != count {
+                return wrong(&format!("{} residuals, announced were {count}", residuals.len()));
+            }
+            Ok(if residuals.iter().all(|residual| residual.is_finite()) {
+                Answer::Residuals(residuals)
+            } else {
+                Answer::Failed("a residual is not finite".into())
+            })
         }
-        (Kind::Costs, _) => wrong("it needs one of cost, costs and error"),
-        (Kind::Trace, _) => wrong("it needs one of axes and error"),
+        (Kind::Trace, None, None, None, None, Some(axes), None) => measured(axes, trace).or_else(|why| wrong(&why)),
+        (Kind::Costs, ..) => wrong("it needs one of cost, costs and error"),
+        (Kind::Residuals(_), ..) => wrong("it needs one of residuals and error"),
+        (Kind::Trace, ..) => wrong("it needs one of axes and error"),
     }
 }
 
@@ -399,8 +436,29 @@ mod tests {
 
     #[test]
     fn another_version_of_the_protocol_is_refused() {
-        assert_eq!(ready(r#"{"type":"ready","protocol":1,"answers":"trace"}"#), Ok(Kind::Trace));
-        assert!(ready(r#"{"type":"ready","protocol":2,"answers":"costs"}"#).unwrap_err().contains("version 2"));
-        assert!(ready(r#"{"type":"ready","protocol":1,"answers":"smoke"}"#).unwrap_err().contains("smoke"));
+        assert_eq!(ready(r#"{"type":"ready","protocol":1,"answers":"trace"}"#, 9), Ok(Kind::Trace));
+        assert!(ready(r#"{"type":"ready","protocol":2,"answers":"costs"}"#, 9).unwrap_err().contains("version 2"));
+        assert!(ready(r#"{"type":"ready","protocol":1,"answers":"smoke"}"#, 9).unwrap_err().contains("smoke"));
+    }
+
+    #[test]
+    fn residuals_are_as_many_as_were_announced() {
+        let announced = |rest: &str| ready(&format!(r#"{{"type":"ready","protocol":1,"answers":{rest}}}"#), 9);
+        assert_eq!(announced(r#""residuals","residuals":9"#), Ok(Kind::Residuals(9)));
+        for (rest, words) in [
+            (r#""residuals","residuals":10"#, "may have 1 to 9"),
+            (r#""residuals","residuals":0"#, "may have 1 to 9"),
+            (r#""residuals""#, "must say how many"),
+            (r#""costs","residuals":3"#, "belongs to"),
+        ] {
+            assert!(announced(rest).unwrap_err().contains(words), "{rest}");
+        }
+        let kind = Kind::Residuals(2);
+        let found = told(r#"{"type":"done","id":7,"residuals":[3,-4]}"#, kind);
+        assert_eq!(found, Ok(Answer::Residuals(vec![3.0, -4.0])));
+        assert!(matches!(told(r#"{"type":"done","id":7,"residuals":[3,NaN]}"#, kind), Ok(Answer::Failed(_))));
+        assert!(told(r#"{"type":"done","id":7,"residuals":[3]}"#, kind).unwrap_err().contains("announced were 2"));
+        assert!(told(r#"{"type":"done","id":7,"cost":3}"#, kind).unwrap_err().contains("needs one of residuals"));
+        assert!(told(r#"{"type":"done","id":7,"residuals":[1]}"#, Kind::Costs).unwrap_err().contains("needs one of"));
     }
 }

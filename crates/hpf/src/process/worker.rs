@@ -88,10 +88,10 @@ impl Worker {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn ready(&mut self, timeout: Duration, watch: &dyn Watch) -> Result<Kind, String> {
+    pub fn ready(&mut self, hello: &Hello, timeout: Duration, watch: &dyn Watch) -> Result<Kind, String> {
         let left = self.running.as_ref().map_or(timeout, |running| timeout.saturating_sub(running.since.elapsed()));
         let line = self.next(left, timeout, &|| watch.is_asked())?;
-        protocol::ready(&line)
+        protocol::ready(&line, hello.most_residuals())
     }
 
     /// Starts the program anew, for answers of the same `kind` as before.
@@ -107,7 +107,7 @@ impl Worker {
         watch: &dyn Watch,
     ) -> Result<(), String> {
         self.spawn(settings, hello)?;
-        match self.ready(timeout, watch)? {
+        match self.ready(hello, timeout, watch)? {
             found if found == kind => Ok(()),
             _ => Err("answers with something else than before".into()),
         }

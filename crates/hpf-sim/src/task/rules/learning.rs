@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::{Rules, count};
 use crate::task::keys::unknown;
 use crate::task::learning::PRIMITIVES;
-use crate::task::{PerAxis, ViaPoint};
+use crate::task::{Method, PerAxis, ViaPoint};
 
 /// Keys of `[learning]` that PI2 alone takes.
 const OF_PI2: [&str; 8] =
@@ -27,6 +27,36 @@ impl Rules<'_, '_, '_> {
                 self.say(&path, unknown("part", primitive, &PRIMITIVES), help);
             } else if !named.insert(part) {
                 self.say(&path, format!("`{part}` is named twice"), "name each part once");
+            }
+        }
+    }
+
+    /// Limits of planned motions.
+    pub(super) fn safety(&mut self) {
+        let task = self.task;
+        let Some(safety) = &task.learning.safety else { return };
+        if task.learning.method != Method::Model {
+            let message = format!("method \"{}\" makes motions that no model predicts", task.learning.method.name());
+            let help = "[learning.safety] needs method = \"model\", whose motions are all planned";
+            self.say("learning.safety", message, help);
+        }
+        let Some(workspace) = &safety.workspace else { return };
+        let axes = task.axis.len();
+        if workspace.len() != axes {
+            let message = format!("{} for {}", count(workspace.len(), "range", "ranges"), count(axes, "axis", "axes"));
+            self.say("learning.safety.workspace", message, "write one [smallest, largest] per axis, in axis order");
+            return;
+        }
+        for (i, ([low, high], axis)) in workspace.iter().zip(&task.axis).enumerate() {
+            for (what, position) in [("start", axis.start), ("goal", axis.goal)] {
+                // Written so that a NaN is outside.
+                if !(*low <= position && position <= *high) {
+                    let message = format!("the {what} of axis `{}` lies outside the workspace: {position}", axis.name);
+                    let help =
+                        format!("`workspace` must hold start and goal: [smallest, largest], here [{low}, {high}]");
+                    self.say(&format!("learning.safety.workspace.{i}"), message, help);
+                    break;
+                }
             }
         }
     }
