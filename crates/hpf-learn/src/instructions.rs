@@ -3,8 +3,6 @@
 //! Work that is marked `#[inline(always)]` throughout is compiled once for each set. The bits are the same in all of them.
 //! AVX-512 is left out where debug assertions are on: it is a third of what a compiler has to do for a test.
 
-use pulp::Simd as _;
-
 pub use pulp::NullaryFnOnce;
 
 /// The instructions that work is done in.

@@ -137,9 +137,8 @@ impl Session {
     ) -> Result<Self, LearnError> {
         let (blocks, steps) = (problem.blocks(), problem.steps());
         let has_tables = match method {
-            Method::Pi2(_) => true,
-            Method::Auto(_) => problem.signals().is_none(),
-            Method::GaussNewton(_) | Method::CmaEs(_) => false,
+            Method::Pi2(_) | Method::Auto(_) => true,
+            Method::Model(_) | Method::GaussNewton(_) | Method::CmaEs(_) => false,
         };
         shape::check(blocks, steps, weights.len(), has_tables)?;
         let start = weights.clone();

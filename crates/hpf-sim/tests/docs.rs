@@ -152,5 +152,8 @@ fn the_page_of_the_task_file_is_what_the_code_says() {
         std::fs::write(&path, &page.text).expect("docs/ is writable");
     }
     let found = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(found == page.text, "docs/task-file.md is out of date: UPDATE_DOCS=1 cargo test -p hpf-sim --test all docs::");
+    assert!(
+        found == page.text,
+        "docs/task-file.md is out of date: UPDATE_DOCS=1 cargo test -p hpf-sim --test all docs::"
+    );
 }

@@ -128,7 +128,7 @@ fn records_differ_by_their_noise_alone_and_policies_are_measured_without_it() {
     assert_eq!(record, shown(&other, &start), "the same rollout leaves the same record");
 }
 
-fn with_safety(limits: &str) -> Result<Task, Vec<hpf_sim::Diagnostic>> {
+fn with_safety(limits: &str) -> Result<Task, hpf_sim::Mistakes> {
     let text = VIA_POINT.replace("method = \"pi2\"", "method = \"model\"");
     Task::parse(&format!("{text}\n[learning.safety]\n{limits}\n"))
 }
@@ -171,7 +171,7 @@ fn planned_motions_stay_within_the_limits_of_safety() {
 
 #[test]
 fn limits_of_safety_need_planned_motions_and_a_place_for_start_and_goal() {
-    let refused = |text: Result<Task, Vec<hpf_sim::Diagnostic>>, words: &str| {
+    let refused = |text: Result<Task, hpf_sim::Mistakes>, words: &str| {
         let found = text.unwrap_err();
         assert!(found.iter().any(|diagnostic| diagnostic.message.contains(words)), "{found:?}");
     };

@@ -7,7 +7,7 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use hpf_core::Real;
 
 /// A number and its slopes by `N` others.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Dual<const N: usize> {
     pub(super) value: f64,
     pub(super) slopes: [f64; N],

@@ -47,7 +47,7 @@ impl Simulation {
             let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
             for (&parameters, cost) in parameters.iter().zip(costs) {
                 self.rollout_in(scenario, parameters, trace);
-                self.record(trace, Self::numbers_of(parameters, draw));
+                self.add_record_noise(trace, Self::numbers_of(parameters, draw));
                 self.cost_into(trace, cost);
             }
             return;

@@ -115,7 +115,7 @@ impl Simulation {
         let mut one = Cost::default();
         for (i, (scenario, own)) in scenarios.iter().zip(own.iter_mut()).enumerate() {
             self.rollout_in(scenario, parameters, trace);
-            self.record(trace, [number as u64, i as u64]);
+            self.add_record_noise(trace, [number as u64, i as u64]);
             self.cost_into(trace, &mut one);
             match count {
                 1 => mem::swap(cost, &mut one),

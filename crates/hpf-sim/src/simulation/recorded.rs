@@ -33,7 +33,7 @@ impl Simulation {
     }
 
     /// Makes of the motion in `trace` its record; the same for the same `numbers`.
-    pub(crate) fn record(&self, trace: &mut Trace, numbers: [u64; 2]) {
+    pub(crate) fn add_record_noise(&self, trace: &mut Trace, numbers: [u64; 2]) {
         let Some(recording) = self.task.recording.as_ref().filter(|_| self.records_noise()) else { return };
         let seed = mixed([self.task.learning.seed].into_iter().chain(numbers));
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
