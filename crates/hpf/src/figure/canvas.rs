@@ -3,8 +3,8 @@
 use super::axis::Tick;
 use super::chart::{Figure, Layer, Mark, Panel, Point, Shape};
 use super::layout::{CAPITAL, FOOT, LABEL, Layout, MARGIN, SMALL, TICK_GAP, TICK_LENGTH, TITLE};
+use super::page::{Anchor, Area, Format, Page};
 use super::palette::{BLACK, FRAME, GRID, Pen, QUIET, WHITE};
-use super::surface::{Anchor, Area, Column, Format, Surface};
 use super::{ends, legend, text};
 
 /// How much a band covers what it lies on: two of them still show through each other.
@@ -13,38 +13,40 @@ const BAND_OPACITY: f64 = 0.3;
 /// Draws `figure`, which belongs to `subject`: the bytes of its file.
 ///
 /// # Errors
-/// What the encoder says.
+/// What the page says, or that the figure has no panel.
 pub fn draw(mut figure: Figure, subject: &str, format: Format) -> Result<Vec<u8>, String> {
+    if figure.panels.is_empty() {
+        return Err("the figure has no panel".into());
+    }
     let layout = Layout::new(&mut figure);
-    let mut surface = format.surface(layout.size);
-    let canvas = &mut *surface;
-    let right = layout.size.0 as f64 - MARGIN;
+    let mut page = Page::new(layout.size);
+    let right = layout.size.0 - MARGIN;
     let left = layout.boxes[0].left;
 
     let title = text::fit(&figure.title, TITLE, right - left);
     let baseline = MARGIN + CAPITAL * TITLE;
-    canvas.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
+    page.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
     let room = right - left - text::width(&title, TITLE) - 60.0;
     if room > 100.0 {
-        canvas.text(&text::fit(subject, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
+        page.text(&text::fit(subject, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
     }
     for (layer, place) in figure.legend().into_iter().zip(&layout.legend) {
-        legend::entry(canvas, layer, *place);
+        legend::entry(&mut page, layer, *place);
     }
     for ((panel, area), ticks) in figure.panels.iter().zip(&layout.boxes).zip(&layout.y_ticks) {
-        draw_panel(canvas, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
+        draw_panel(&mut page, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
     }
-    let (panel, area) = (&figure.panels[0], layout.boxes.last().expect("a figure has a panel"));
+    let (panel, area) = (&figure.panels[0], &layout.boxes[figure.panels.len() - 1]);
     for tick in &layout.x_ticks {
         let x = horizontal(panel, *area, tick.value).round();
         let place = (x, area.bottom() + TICK_LENGTH + TICK_GAP + CAPITAL * SMALL);
-        canvas.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
+        page.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
     }
     let map = |point: &Point| (horizontal(panel, *area, point.0), vertical(panel, *area, point.1));
-    ends::draw(canvas, &figure, *area, &map);
+    ends::draw(&mut page, &figure, *area, &map);
     let place = (area.left + 0.5 * area.width, area.bottom() + FOOT - MARGIN + 4.0);
-    canvas.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
-    surface.encode()
+    page.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
+    page.encode(format)
 }
 
 fn horizontal(panel: &Panel, area: Area, value: f64) -> f64 {
@@ -55,46 +57,47 @@ fn vertical(panel: &Panel, area: Area, value: f64) -> f64 {
     area.bottom() - (panel.y.share(value) * area.height).clamp(-1e5, 1e5)
 }
 
-fn draw_panel(surface: &mut dyn Surface, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
+fn draw_panel(page: &mut Page, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
     let map = |point: &Point| (horizontal(panel, area, point.0), vertical(panel, area, point.1));
-    let all = surface.all();
-    let layers = |surface: &mut dyn Surface, wanted: fn(&Shape) -> bool| {
+    let layers = |page: &mut Page, wanted: fn(&Shape) -> bool| {
         for layer in panel.layers.iter().filter(|layer| wanted(&layer.shape)) {
-            draw_layer(surface, layer, area, &map);
+            draw_layer(page, layer, area, &map);
         }
     };
-    layers(surface, |shape| matches!(shape, Shape::Block(..)));
+    layers(page, |shape| matches!(shape, Shape::Block(..)));
     let grid = Pen::thin(GRID);
     let length = |tick: &Tick| if tick.label.is_empty() { 0.5 * TICK_LENGTH } else { TICK_LENGTH };
     for tick in x_ticks {
         let x = horizontal(panel, area, tick.value).round();
-        surface.stroke(&[(x, area.bottom()), (x, area.bottom() + length(tick))], Pen::thin(FRAME), all);
+        page.stroke(&[(x, area.bottom()), (x, area.bottom() + length(tick))], Pen::thin(FRAME));
         if !tick.label.is_empty() {
-            surface.stroke(&[(x, area.top), (x, area.bottom())], grid, area);
+            page.stroke(&[(x, area.top), (x, area.bottom())], grid);
         }
     }
     for tick in y_ticks {
         let y = vertical(panel, area, tick.value).round();
-        surface.stroke(&[(area.left - length(tick), y), (area.left, y)], Pen::thin(FRAME), all);
+        page.stroke(&[(area.left - length(tick), y), (area.left, y)], Pen::thin(FRAME));
         if !tick.label.is_empty() {
-            surface.stroke(&[(area.left, y), (area.right(), y)], grid, area);
+            page.stroke(&[(area.left, y), (area.right(), y)], grid);
             let place = (area.left - TICK_LENGTH - TICK_GAP, y + 0.5 * CAPITAL * SMALL);
-            surface.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
+            page.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
         }
     }
-    layers(surface, |shape| matches!(shape, Shape::Between(_)));
-    layers(surface, |shape| matches!(shape, Shape::Line(_)));
+    page.inside(area, |page| {
+        layers(page, |shape| matches!(shape, Shape::Between(_)));
+        layers(page, |shape| matches!(shape, Shape::Line(_)));
+    });
     let (right, bottom) = (area.right(), area.bottom());
     let frame = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom), (area.left, area.top)];
-    surface.stroke(&frame, Pen::thin(FRAME), all);
+    page.stroke(&frame, Pen::thin(FRAME));
     // A goal at the end of the time stands on the frame.
-    layers(surface, |shape| matches!(shape, Shape::Marks(..)));
+    layers(page, |shape| matches!(shape, Shape::Marks(..)));
 
     let title = panel.y.title();
     let mut heading = panel.heading.clone();
     if single {
         let place = (MARGIN + CAPITAL * LABEL, area.top + 0.5 * area.height);
-        surface.text(&text::fit(&title, LABEL, area.height), place, LABEL, BLACK, Anchor::Middle, true);
+        page.text(&text::fit(&title, LABEL, area.height), place, LABEL, BLACK, Anchor::Middle, true);
     } else {
         heading = [heading, title].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ");
     }
@@ -102,25 +105,22 @@ fn draw_panel(surface: &mut dyn Surface, panel: &Panel, area: Area, y_ticks: &[T
     let note = text::fit(&panel.note, SMALL, area.width);
     let heading = text::fit(&heading, SMALL, (area.width - text::width(&note, SMALL) - 30.0).max(0.0));
     if heading != "…" {
-        surface.text(&heading, (area.left, baseline), SMALL, BLACK, Anchor::Start, false);
+        page.text(&heading, (area.left, baseline), SMALL, BLACK, Anchor::Start, false);
     }
-    surface.text(&note, (right, baseline), SMALL, QUIET, Anchor::End, false);
+    page.text(&note, (right, baseline), SMALL, QUIET, Anchor::End, false);
 }
 
-fn draw_layer(surface: &mut dyn Surface, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
+fn draw_layer(page: &mut Page, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
     match &layer.shape {
-        Shape::Line(points) => surface.stroke(&thinned(points.iter().map(map)), layer.pen, area),
+        Shape::Line(points) => page.stroke(&thinned(points.iter().map(map)), layer.pen),
         Shape::Between(curves) => {
-            let column = |(x, low, high): &(f64, f64, f64)| {
-                let (bottom, top) = (map(&(*x, *low)), map(&(*x, *high)));
-                Column { x: top.0, top: top.1, bottom: bottom.1 }
-            };
-            let columns: Vec<Column> = curves.iter().map(column).collect();
-            surface.band(&columns, layer.pen.colour, BAND_OPACITY, area);
+            let above = curves.iter().map(|(x, _, high)| map(&(*x, *high)));
+            let below = curves.iter().rev().map(|(x, low, _)| map(&(*x, *low)));
+            page.cover(&above.chain(below).collect::<Vec<_>>(), layer.pen.colour, BAND_OPACITY);
         }
         Shape::Marks(mark, points) => {
             for point in points {
-                draw_mark(surface, *mark, map(point), layer.pen);
+                draw_mark(page, *mark, map(point), layer.pen);
             }
         }
         Shape::Block(from, to) => {
@@ -129,34 +129,33 @@ fn draw_layer(surface: &mut dyn Surface, layer: &Layer, area: Area, map: &impl F
             let y = |value: f64| value.max(area.top).min(area.bottom());
             let (left, top) = (x(from.0.min(to.0)), y(from.1.min(to.1)));
             let (width, height) = (x(from.0.max(to.0)) - left, y(from.1.max(to.1)) - top);
-            surface.fill(Area { left, top, width, height }, layer.pen.colour);
+            page.fill(Area { left, top, width, height }, layer.pen.colour);
         }
     }
 }
 
 /// Draws a mark around `place` [px].
-pub fn draw_mark(surface: &mut dyn Surface, mark: Mark, place: Point, pen: Pen) {
-    let all = surface.all();
-    let dot = |surface: &mut dyn Surface, width: f64, colour| {
-        surface.stroke(&[place], Pen { colour, width, dash: None }, all);
+pub fn draw_mark(page: &mut Page, mark: Mark, place: Point, pen: Pen) {
+    let dot = |page: &mut Page, width: f64, colour| {
+        page.stroke(&[place], Pen { colour, width, dash: None });
     };
     match mark {
         Mark::Dot => {
-            dot(surface, 26.0, WHITE);
-            dot(surface, 20.0, pen.colour);
+            dot(page, 26.0, WHITE);
+            dot(page, 20.0, pen.colour);
         }
         Mark::Speck => {
-            dot(surface, 15.0, WHITE);
-            dot(surface, 11.0, pen.colour);
+            dot(page, 15.0, WHITE);
+            dot(page, 11.0, pen.colour);
         }
         Mark::Target => {
-            dot(surface, 28.0, pen.colour);
-            dot(surface, 20.0, WHITE);
-            dot(surface, 11.0, pen.colour);
+            dot(page, 28.0, pen.colour);
+            dot(page, 20.0, WHITE);
+            dot(page, 11.0, pen.colour);
         }
         Mark::Ring => {
-            dot(surface, 24.0, pen.colour);
-            dot(surface, 14.0, WHITE);
+            dot(page, 24.0, pen.colour);
+            dot(page, 14.0, WHITE);
         }
     }
 }
