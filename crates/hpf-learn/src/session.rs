@@ -20,7 +20,6 @@ mod replay;
 mod seek;
 
 use crate::auto::{Patience, roots};
-use crate::drive::constant;
 use crate::record::{Price, Record};
 use crate::{
     Batch, CmaEs, Cost, Draws, History, LearnError, Method, Note, Parameters, Pi2, Pi2Error, Problem, Progress,
@@ -183,7 +182,7 @@ impl Session {
         if self.due.is_none() {
             return if self.over.is_none() { Some(self.ask_batch()) } else { None };
         }
-        let samples = constant(self.due.iter().map(|due| &due.weights));
+        let samples = Parameters::constants(self.due.iter().map(|due| &due.weights));
         Some(Ask { draws: Draws::HeldOut, samples, wants_signals: false })
     }
 
@@ -215,7 +214,7 @@ impl Session {
     pub(crate) fn ask_batch(&mut self) -> Ask<'_> {
         let room = self.room();
         if let Some(seek) = &self.seek {
-            let samples = constant(seek.ask(self.rollouts.clamp(1, room)));
+            let samples = Parameters::constants(seek.ask(self.rollouts.clamp(1, room)));
             return Ask { draws: Draws::HeldOut, samples, wants_signals: false };
         }
         let (draws, samples, wants_signals) = match &self.method {
@@ -231,9 +230,11 @@ impl Session {
             ActiveMethod::Signals(learner) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
-                (Draws::Update(0), constant(samples.iter().take(room)), learner.wants_signals())
+                (Draws::Update(0), Parameters::constants(samples.iter().take(room)), learner.wants_signals())
             }
-            ActiveMethod::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), false),
+            ActiveMethod::CmaEs(learner) => {
+                (Draws::Update(learner.update()), Parameters::constants(learner.ask()), false)
+            }
         };
         Ask { draws, samples, wants_signals }
     }
