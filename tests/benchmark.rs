@@ -41,3 +41,37 @@ fn every_method_is_measured_on_the_tasks_that_are_named() {
     let (_, stderr) = expect(2, folder.path(), &["benchmark", "--task", "walls"]);
     assert!(stderr.contains("there is no task `walls` to compare on; there are: via_point, cantilever"), "{stderr}");
 }
+
+#[test]
+fn a_history_grows_by_a_row_for_each_task_and_method_and_keeps_other_versions() {
+    const HEADER: &str = "version,task,method,seeds,max_motions,median_motions,median_cost,worst_cost";
+    let folder = folder();
+    let older = "0.0.1,reach,auto,1-2,150,90.0,0.5,0.6";
+    fs::write(folder.path().join("history.csv"), format!("{HEADER}\n{older}\n")).unwrap();
+    let run = |code: i32, history: &str| {
+        let arguments = ["benchmark", "--task", "reach", "--seeds", "2", "--motions", "150", "--quiet", "--force"];
+        expect(code, folder.path(), &[&arguments[..], &["--out", "b", "--history", history]].concat())
+    };
+    run(0, "history.csv");
+    let text = read(folder.path().join("history.csv"));
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!((lines.len(), lines[0], lines[1]), (7, HEADER, older));
+    let data = json(folder.path().join("b/benchmarks.json"));
+    for (line, result) in lines[2..].iter().zip(data["results"].as_array().unwrap()) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells[..2], [env!("CARGO_PKG_VERSION"), "reach"]);
+        assert_eq!((cells[2], cells[3], cells[4]), (result["method"].as_str().unwrap(), "1-2", "150"));
+        let cost = |cell: usize, which: &str| {
+            assert_eq!(cells[cell].parse::<f64>().ok(), result["final_cost"][which].as_f64(), "{line}");
+        };
+        cost(6, "median");
+        cost(7, "largest");
+        assert!(cells[5].parse::<f64>().unwrap() <= 150.0, "{line}");
+    }
+    // The same version measures the same again: the file stays as it is.
+    run(0, "history.csv");
+    assert_eq!(read(folder.path().join("history.csv")), text);
+    // What is no history is refused before anything is learned.
+    let (_, stderr) = run(2, "b/benchmarks.json");
+    assert!(stderr.contains("b/benchmarks.json: this is no history of benchmarks"), "{stderr}");
+}

@@ -113,6 +113,8 @@ fn a_pipe_that_nobody_writes_to_is_not_waited_for() {
             "{arguments:?}: {stderr}"
         );
     }
+    let (code, stderr) = within_limit(folder.path(), &["plot", "p"]);
+    assert!(code == Some(2) && stderr.contains("p: this is a named pipe, a run directory is wanted"), "{stderr}");
     let table = "\n[[disturbance]]\nkind = \"table\"\naxis = \"x\"\nfile = \"p.csv\"\n";
     fs::write(path("table.toml"), read(task("reach.toml")) + table).unwrap();
     let (code, stderr) = within_limit(folder.path(), &["check", "table.toml"]);

@@ -81,6 +81,30 @@ fn endless_files_are_not_read_to_their_end() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_device_is_read_up_to_a_stated_limit_and_a_file_above_its_limit_not_at_all() {
+    let folder = folder();
+    let run = |command: &str, file: &str| {
+        // A gigabyte of addresses is half of what a file may have, and more than a pipe may.
+        let line = format!("ulimit -v 1048576; exec '{}' {command} {file}", env!("CARGO_BIN_EXE_hpf"));
+        let mut shell = std::process::Command::new("sh");
+        let output =
+            shell.current_dir(folder.path()).args(["-c", &line]).env("MALLOC_ARENA_MAX", "1").output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let sparse = fs::File::create(folder.path().join("sparse.csv")).unwrap();
+    sparse.set_len((2 << 30) + 1).unwrap();
+    for command in ["imitate", "recover --out out.mcap"] {
+        let (code, stderr) = run(command, "/dev/zero");
+        let limit = "/dev/zero: more than 67108864 bytes, which is the most that is read of a device or a pipe";
+        assert!(code == Some(2) && stderr.contains(limit), "{command}: {code:?} {stderr}");
+        let (code, stderr) = run(command, "sparse.csv");
+        let limit = "sparse.csv: more than 2147483648 bytes, which is the most that is read\n";
+        assert!(code == Some(2) && stderr.contains(limit), "{command}: {code:?} {stderr}");
+    }
+}
+
 #[test]
 fn what_windows_editors_write_is_read() {
     let folder = folder();

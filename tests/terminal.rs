@@ -156,3 +156,18 @@ fn help_and_version_tell_of_a_full_disk() {
         assert!(output.status.code() == Some(1) && stderr.contains("cannot write the result"), "{arguments}: {stderr}");
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_result_that_a_closed_stdout_loses_is_a_failure() {
+    for arguments in ["--version", "--help", "learn --help", "schema"] {
+        let script = format!("'{}' {arguments} >&-", env!("CARGO_BIN_EXE_hpf"));
+        let output = std::process::Command::new("sh").args(["-c", &script]).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        let is_named = stderr == "error: cannot write the result: stdout is closed\n";
+        assert!(output.status.code() == Some(1) && is_named, "{arguments}: {stderr}");
+    }
+    // Thrown away on purpose is not lost.
+    let script = format!("'{}' --help > /dev/null", env!("CARGO_BIN_EXE_hpf"));
+    assert!(std::process::Command::new("sh").args(["-c", &script]).status().unwrap().success());
+}

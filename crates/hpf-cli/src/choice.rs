@@ -1,4 +1,4 @@
-//! Values of the library that arguments choose from.
+//! Enumerations of the library as values of arguments.
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;

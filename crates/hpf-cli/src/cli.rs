@@ -1,12 +1,14 @@
 //! The command line: what can be asked, with its defaults and units.
 
+pub mod imitate;
+pub mod init;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::choice::Choice;
-use crate::commands::init::Kind;
 use crate::style::ColorChoice;
 use hpf::export::{Format, Precision};
 use hpf::figure;
@@ -71,6 +73,7 @@ Examples:
   hpf benchmark
   hpf benchmark --task dmpbbo_via_point,wall --seeds 20 --out runs/compared
   hpf benchmark --task reach --motions 400 --seeds 2 --json --out runs/quick
+  hpf benchmark --history docs/benchmark-history.csv   # before a release: a row per task and method
 
 Writes to runs/benchmark, or --out: benchmarks.md and benchmarks.json with the motions and seconds to stated costs, median and \
 worst over the seeds, and a figure per task in images/benchmarks/. Seeds count up from --seed [default: 1].";
@@ -125,8 +128,8 @@ Examples:
   hpf run runs/elsewhere --controller --rate 1000             # as a robot runs it")]
     Run(Simulate),
     /// Make a policy of demonstrations (CSV), kept as a run
-    #[command(after_help = crate::commands::imitate::HELP)]
-    Imitate(Box<crate::commands::imitate::Options>),
+    #[command(after_help = imitate::HELP)]
+    Imitate(Box<imitate::Options>),
     /// Draw the figures of a run again, or of several together
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(Plot),
@@ -184,7 +187,7 @@ Examples:
   hpf init wall --out press.toml             # a task named press
   hpf init process --out arm.toml            # and arm.py, the program that makes the rollouts
   hpf init via_point --out - | head")]
-    Init(Init),
+    Init(init::Init),
     /// Write the JSON schema of the task file, for editors
     #[command(after_help = "\
 Examples:
@@ -364,6 +367,9 @@ pub struct Benchmark {
     /// Only these tasks, such as via_point,wall [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub task: Vec<String>,
+    /// Add the results to this table of all versions; rows of this version that measure the same are replaced
+    #[arg(long, value_name = "FILE")]
+    pub history: Option<PathBuf>,
 }
 
 fn most_motions(text: &str) -> Result<usize, String> {
@@ -385,14 +391,6 @@ pub struct Recover {
     /// Truncated or damaged log (.mcap, .mcap.partial)
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
-}
-
-/// `hpf init`
-#[derive(Args, Debug)]
-pub struct Init {
-    /// Kind of task
-    #[arg(value_enum, value_name = "KIND")]
-    pub kind: Kind,
 }
 
 /// `hpf completions`
@@ -440,7 +438,7 @@ mod tests {
             for span in spans.filter(|span| !["|", " [", "COMMAND"].iter().any(|part| span.contains(part))) {
                 count += 1;
                 let Err(error) = Arguments::try_parse_from(words(span)) else { continue };
-                // A command is often named without its file, and `KIND` stands for one.
+                // A command is often named without its file, and `KIND` takes its place.
                 let is_short = matches!(error.kind(), ErrorKind::MissingRequiredArgument | ErrorKind::DisplayHelp)
                     || (error.kind() == ErrorKind::InvalidValue && span.ends_with(|last: char| last.is_uppercase()));
                 assert!(is_short, "{}: `{span}`: {error}", page.display());

@@ -4,9 +4,9 @@ mod benchmark;
 mod check;
 mod completions;
 mod export;
-pub mod imitate;
+mod imitate;
 mod info;
-pub mod init;
+mod init;
 mod learn;
 mod manual;
 mod plot;
@@ -23,7 +23,7 @@ use hpf::failure::Failure;
 /// Runs the command asked for, on as many threads as asked for.
 ///
 /// # Errors
-/// [`Failure`] with what to tell the user.
+/// [`Failure`] with the message for the user.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let common = &arguments.common;
     refuse_meaningless(&arguments.command, common)?;
@@ -49,8 +49,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// An option that promises a result which the command does not have is a mistake, not to be passed over in silence. The
-/// other common options hold for every command: where nothing is drawn, rolled out or replaced, they hold by themselves.
+/// An option for a result that the command does not have is a mistake, and is refused. The other common options are valid
+/// for every command; where nothing is drawn, rolled out or replaced, they change nothing.
 fn refuse_meaningless(command: &Command, common: &Common) -> Result<(), Failure> {
     let (name, has_out, has_json) = match command {
         Command::Check(_) => ("check", false, true),

@@ -1,4 +1,4 @@
-//! One result where the user wants it, and a task with its notes told.
+//! Delivers one result where the user wants it, and reads a task with its notes printed.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::cli::Common;
 use crate::outcome::Outcome;
 use crate::terminal::{say, say_bytes, tell};
 
-/// Reads a task as [`files::read_task`], and tells of what was mended.
+/// Reads a task as [`files::read_task`], and prints its notes.
 ///
 /// # Errors
 /// As there.
@@ -21,10 +21,10 @@ pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failur
 }
 
 /// Puts one result where the user wants it: into the file `--out` or `default`, on stdout for `-` and where there is no
-/// default. `report` tells of a file written, as text and as JSON; where it has nothing to tell, its name is said.
+/// default. `report` describes the file written, as text and as JSON; without a description its name and size are printed.
 ///
 /// # Errors
-/// [`Failure::Input`] where something stands there or stdout is wanted twice; [`Failure::Work`] from the system.
+/// [`Failure::Input`] where something is there or stdout is wanted twice; [`Failure::Work`] from the system.
 pub fn deliver(
     common: &Common,
     default: Option<&Path>,

@@ -1,11 +1,11 @@
-//! Ctrl-C, and the signals that ask a program to end (SIGTERM, SIGHUP): asked once, work ends where it is whole; asked
-//! twice, the program ends, and what must be ended before it is ended without patience.
+//! Ctrl-C, and the signals that ask a program to end (SIGTERM, SIGHUP): after the first, work ends as
+//! soon as its results are complete; after the second, the program ends, and ends at once what must end before it.
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-/// How often it was asked.
+/// Signals received.
 static ASKED: AtomicUsize = AtomicUsize::new(0);
-/// How many must end something before the program may end.
+/// How many parts of the program must end something before it may exit.
 static HELD: AtomicUsize = AtomicUsize::new(0);
 /// The exit code of a program that was asked to end.
 const CODE: i32 = 130;

@@ -2,7 +2,6 @@
 
 #![forbid(unsafe_code)]
 
-mod benchmark;
 mod choice;
 mod cli;
 mod commands;
@@ -12,10 +11,8 @@ mod interrupt;
 mod outcome;
 mod progress;
 mod render;
-mod reproduce;
-mod side_by_side;
 mod style;
-mod sweep;
+mod sweep_table;
 mod terminal;
 
 use core::panic::AssertUnwindSafe;
@@ -29,8 +26,10 @@ use hpf::escape::shown;
 use hpf::failure::Failure;
 use hpf::sinks::reason;
 
-/// Reads the command line, runs the command, and says how it ended.
-pub fn main() -> ExitCode {
+/// Reads the command line, runs the command, and says how it ended. A result that is to be printed where stdout
+/// `was_closed` when the program began is a failure.
+pub fn main(was_closed: bool) -> ExitCode {
+    terminal::begin(was_closed);
     let arguments = match cli::Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(answer) => return tell_of_arguments(&answer),
@@ -47,10 +46,10 @@ fn fail(failure: &Failure) -> ExitCode {
     outcome::exit_code(failure)
 }
 
-/// Runs a command; a fault of the program itself is a failure, told in a line and not in a backtrace.
+/// Runs a command; a fault of the program itself is a failure, reported in one line without a backtrace.
 ///
 /// # Errors
-/// What `command` says, or that it broke off.
+/// What `command` returns, or its panic.
 fn last_resort<T>(command: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map(|place| format!(" at {place}")).unwrap_or_default();

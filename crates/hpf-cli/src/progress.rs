@@ -1,4 +1,4 @@
-//! How far learning has come, on stderr.
+//! The progress of learning, on stderr.
 
 use core::time::Duration;
 use std::io::{IsTerminal as _, stderr};
@@ -10,6 +10,7 @@ use hpf::results::LearningRow;
 use hpf::watch::Watch;
 use hpf::words::number;
 use hpf_sim::Task;
+use hpf_studies::StudyWatch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::interrupt;
@@ -87,7 +88,7 @@ pub struct OnTerminal {
 }
 
 impl OnTerminal {
-    /// From now on signals are noted. Where it `is_quiet`, only what went wrong is told.
+    /// From now on signals are noted. Where it `is_quiet`, only notes are printed.
     pub fn new(is_quiet: bool) -> Self {
         interrupt::watch();
         Self { is_quiet, meter: Mutex::new(Meter::Quiet) }
@@ -123,6 +124,53 @@ impl Watch for OnTerminal {
 
     fn hold(&self, is_held: bool) {
         interrupt::hold(is_held);
+    }
+}
+
+/// Many runs as the terminal shows them: how many are done; signals end them.
+pub struct ManyOnTerminal {
+    is_quiet: bool,
+    tally: Mutex<Tally>,
+}
+
+impl ManyOnTerminal {
+    /// From now on signals are noted. Where it `is_quiet`, only notes are printed.
+    pub fn new(is_quiet: bool) -> Self {
+        interrupt::watch();
+        Self { is_quiet, tally: Mutex::new(Tally::Quiet) }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        core::mem::replace(&mut *self.tally.lock().unwrap_or_else(PoisonError::into_inner), Tally::Quiet).finish();
+    }
+}
+
+impl Watch for ManyOnTerminal {
+    fn note(&self, sentence: &str) {
+        tell(sentence);
+    }
+
+    fn is_asked(&self) -> bool {
+        interrupt::is_asked()
+    }
+
+    fn is_urgent(&self) -> bool {
+        interrupt::is_urgent()
+    }
+
+    fn hold(&self, is_held: bool) {
+        interrupt::hold(is_held);
+    }
+}
+
+impl StudyWatch for ManyOnTerminal {
+    fn planned(&self, name: &str, all: usize, done: usize) {
+        *self.tally.lock().unwrap_or_else(PoisonError::into_inner) = Tally::new(name, all, done, self.is_quiet);
+    }
+
+    fn run_ended(&self, name: &str, failure: Option<&str>) {
+        self.tally.lock().unwrap_or_else(PoisonError::into_inner).count(name, failure);
     }
 }
 

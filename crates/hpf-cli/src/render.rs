@@ -9,7 +9,7 @@ use hpf_sim::{AxisTrace, Certificate, Conditions, Metric, Policy};
 use serde_json::Value;
 
 use hpf::escape::line;
-use hpf::paper::paper_deviation;
+use hpf::paper::published;
 use hpf::results::Run;
 use hpf::summary::Summary;
 use hpf::words::{measure, number};
@@ -39,8 +39,8 @@ pub fn metrics(run: &Run, metrics: &[Metric]) -> String {
             let verdict = if pass { "pass" } else { "MISSED" };
             let _ = write!(text, "   {verdict}, at most {}", measure(target, metric.unit));
         }
-        if let ("max_deviation", Some(claim)) = (metric.name, paper_deviation(task)) {
-            let _ = write!(text, " (the paper: {})", measure(claim, metric.unit));
+        if let Some(published) = published(task, metric.name) {
+            let _ = write!(text, " ({}: {})", published.by, measure(published.value, metric.unit));
         }
         text.push('\n');
     }

@@ -1,5 +1,7 @@
-//! What reaches the terminal: the one place where text is printed, and none of it is obeyed ([`hpf::escape`]).
+//! The one place where text is printed. Control characters in it are escaped, so that the terminal obeys none of it
+//! ([`hpf::escape`]).
 
+use core::sync::atomic::{AtomicBool, Ordering};
 use std::io::{self, Write as _, stderr};
 
 use hpf::escape::{shown, styled};
@@ -7,7 +9,15 @@ use hpf::failure::Failure;
 
 use crate::style::is_colored;
 
-/// Writes a line to stderr; where that is full or closed, work goes on and the exit code tells.
+/// Whether stdout was closed when the program began: what is written to it now is lost without an error.
+static IS_CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// Says whether stdout was closed when the program began.
+pub fn begin(is_closed: bool) {
+    IS_CLOSED.store(is_closed, Ordering::Relaxed);
+}
+
+/// Writes a line to stderr; where that is full or closed, work continues and the exit code remains.
 pub fn tell(text: &str) {
     let _ = writeln!(stderr(), "{}", shown(text));
 }
@@ -43,6 +53,9 @@ pub fn say_bytes(bytes: &[u8]) -> Result<(), Failure> {
 /// As for [`say`].
 pub fn printed(outcome: io::Result<()>) -> Result<(), Failure> {
     match outcome {
+        Ok(()) if IS_CLOSED.load(Ordering::Relaxed) => {
+            Err(Failure::Work("cannot write the result: stdout is closed".into()))
+        }
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::Work(format!("cannot write the result: {error}")))
         }

@@ -49,6 +49,11 @@ impl<'a> Parameters<'a> {
             }
         }
     }
+
+    /// The parameters of a motion for each of `samples`.
+    pub(crate) fn constants(samples: impl IntoIterator<Item = &'a Vec<f64>>) -> Vec<Self> {
+        samples.into_iter().map(|sample| Self::Constant(sample)).collect()
+    }
 }
 
 /// What a rollout cost.

@@ -21,7 +21,6 @@ mod replay;
 mod seek;
 
 use crate::auto::{Patience, roots};
-use crate::drive::constant;
 use crate::record::{Price, Record};
 use crate::{
     Batch, CmaEs, Cost, Draws, History, LearnError, Method, ModelLearner, Note, Parameters, Pi2, Pi2Error, Problem,
@@ -185,7 +184,7 @@ impl Session {
         if self.due.is_none() {
             return if self.over.is_none() { Some(self.ask_batch()) } else { None };
         }
-        let samples = constant(self.due.iter().map(|due| &due.weights));
+        let samples = Parameters::constants(self.due.iter().map(|due| &due.weights));
         Some(Ask { draws: Draws::HeldOut, samples, wants: Wants::Costs })
     }
 
@@ -222,7 +221,7 @@ impl Session {
     pub(crate) fn ask_batch(&mut self) -> Ask<'_> {
         let room = self.room();
         if let Some(seek) = &self.seek {
-            let samples = constant(seek.ask(self.rollouts.clamp(1, room)));
+            let samples = Parameters::constants(seek.ask(self.rollouts.clamp(1, room)));
             return Ask { draws: Draws::HeldOut, samples, wants: Wants::Costs };
         }
         let (draws, samples, wants) = match &self.method {
@@ -235,14 +234,16 @@ impl Session {
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
                 (Draws::Update(learner.update()), samples, Wants::Costs)
             }
-            ActiveMethod::Model(learner, _) => (Draws::Update(learner.made()), constant(learner.ask()), Wants::Motion),
+            ActiveMethod::Model(learner, _) => (Draws::Update(learner.made()), Parameters::constants(learner.ask()), Wants::Motion),
             ActiveMethod::Signals(learner) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.
                 let wants = if learner.wants_signals() { Wants::Signals } else { Wants::Costs };
-                (Draws::Update(0), constant(samples.iter().take(room)), wants)
+                (Draws::Update(0), Parameters::constants(samples.iter().take(room)), wants)
             }
-            ActiveMethod::CmaEs(learner) => (Draws::Update(learner.update()), constant(learner.ask()), Wants::Costs),
+            ActiveMethod::CmaEs(learner) => {
+                (Draws::Update(learner.update()), Parameters::constants(learner.ask()), Wants::Costs)
+            }
         };
         Ask { draws, samples, wants }
     }

@@ -1,12 +1,12 @@
-//! `checkpoint`: what learning was told so far, from which a run goes on to the same bytes.
+//! `checkpoint`: the records of learning so far, from which a resumed run leads to the same bytes.
 //!
 //! ```text
 //! hpf-checkpoint 3 hpf 0.1.0 task.toml=3f...\n  version of the file, of the program, SHA-256 of what the run began with
 //! length crc record, length crc record, ...    u32, u32 (CRC-32 of the record), postcard of `hpf_learn::Record`
 //! ```
 //! The file only grows, by one write for each batch of motions: nothing is written twice, whatever the size of the
-//! learner's state, and every beginning of the file is a checkpoint too. A record that a kill or a lost disk block cut
-//! short therefore costs the motions after it and nothing else: they are made again, and are the same.
+//! learner's state, and every prefix of the file is a checkpoint too. Where a kill or a lost disk block cuts a record,
+//! only the motions after it are lost: they are made again, and are the same.
 
 use core::time::Duration;
 use std::fs::File;

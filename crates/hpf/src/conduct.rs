@@ -10,15 +10,15 @@ use serde_json::{Value, json};
 
 use crate::words::number;
 
-/// A run of the controller: in the motion that is shown, and in numbers over all motions.
+/// A run of the controller: the motion that is shown, and counts over all motions.
 pub struct Controlled {
-    /// What it was told.
+    /// Its settings.
     pub settings: Settings,
     /// The text of the settings file, where there was one.
     pub text: Option<String>,
-    /// What it did in the motion that is shown.
+    /// Its behavior in the motion that is shown.
     pub conduct: Conduct,
-    /// What it did in all motions that the policy is measured by.
+    /// Its behavior in all motions that the measures are taken over.
     pub tally: Tally,
 }
 

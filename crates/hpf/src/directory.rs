@@ -11,7 +11,7 @@ use crate::nodes;
 /// The file that a run under way holds locked, inside its unfinished directory.
 const LOCK: &str = ".lock";
 
-/// What learning was told so far, in a run that can go on.
+/// The records of learning so far, in a run that can be resumed.
 pub const CHECKPOINT: &str = "checkpoint";
 
 /// The result of a run: written last, so that a directory without a checkpoint that has it is whole.
@@ -36,8 +36,8 @@ impl Unfinished {
     /// Begins a run directory `target`; until [`Unfinished::ready`] a kill leaves nothing that is in the way.
     ///
     /// # Errors
-    /// [`Failure::Input`] where results stand there and `force` is not given, where something that is no run directory
-    /// stands there, or where another run is going on there; [`Failure::Work`] where no directory can be made.
+    /// [`Failure::Input`] where results are there and `force` is not given, where something is there that is no run
+    /// directory, or where another run is at work there; [`Failure::Work`] where no directory can be made.
     pub fn begin(target: &Path, force: bool) -> Result<Self, Failure> {
         // A link leads to where the results go; it is not replaced.
         let target = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
@@ -51,7 +51,7 @@ impl Unfinished {
                     target.display()
                 )));
             }
-            if !nodes::is_run(&target) {
+            if !is_run(&target) {
                 return Err(Failure::Input(format!(
                     "{} is no run directory: --force does not replace it, pass another --out",
                     target.display()
@@ -198,7 +198,7 @@ impl Unfinished {
                 }
             }
             let old = free_name(&self.target);
-            let replaces = nodes::is_run(&self.target);
+            let replaces = is_run(&self.target);
             if replaces {
                 fs::rename(&self.target, &old)?;
             }
@@ -252,6 +252,12 @@ fn is_empty_directory(path: &Path) -> bool {
     fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
 }
 
+/// Whether a directory is one that hpf made for a run, finished or broken off: only those are replaced.
+fn is_run(directory: &Path) -> bool {
+    let has = |name: &str| directory.join(name).is_file();
+    has("task.toml") && [SUMMARY, "policy.json", CHECKPOINT].into_iter().any(has)
+}
+
 /// A name beside `target` that nothing has.
 fn free_name(target: &Path) -> PathBuf {
     let names = (0_u32..).map(|number| target.with_added_extension(format!("replaced-{number}")));
@@ -275,7 +281,7 @@ fn discard(partial: &Path, force: bool) -> Result<(), Failure> {
     clear(partial).map_err(while_writing(partial))
 }
 
-/// Removes a broken-off run: first what would let it pass for a whole one, last what tells whose it is, so that a kill in
+/// Removes a broken-off run: first what would let it pass for a whole one, last what shows whose it is, so that a kill in
 /// between leaves what can be removed again.
 fn clear(partial: &Path) -> io::Result<()> {
     let marks = ["task.toml", LOCK];

@@ -19,6 +19,7 @@ pub enum Format {
     /// A few bytes with a checksum, read by hpf_core::packed
     Binary,
     /// A log of ROS 2 messages (MCAP, CDR) of the motion of a run
+    #[cfg(feature = "logs")]
     Ros2,
 }
 
@@ -29,6 +30,7 @@ impl Format {
             Self::Rust => "rust",
             Self::C => "c",
             Self::Binary => "binary",
+            #[cfg(feature = "logs")]
             Self::Ros2 => "ros2",
         }
     }
@@ -39,6 +41,7 @@ impl Format {
             Self::Rust => Some(|policy, precision| rust::module(policy, precision).into_bytes()),
             Self::C => Some(|policy, precision| c::header(policy, precision).into_bytes()),
             Self::Binary => Some(binary::bytes),
+            #[cfg(feature = "logs")]
             Self::Ros2 => None,
         }
     }
@@ -49,6 +52,7 @@ impl Format {
             Self::Rust => "rs",
             Self::C => "h",
             Self::Binary => "bin",
+            #[cfg(feature = "logs")]
             Self::Ros2 => "mcap",
         }
     }

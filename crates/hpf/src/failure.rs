@@ -1,6 +1,8 @@
-//! What can go wrong, by whose doing.
+//! Failures, by their cause: the input, the system, an interruption.
 
 use core::fmt;
+
+use hpf_sim::Mistakes;
 
 use crate::report::Report;
 
@@ -13,12 +15,12 @@ pub enum Failure {
     Mistakes(Box<Report>),
     /// The work itself failed.
     Work(String),
-    /// It was asked to end, and has no results to show.
+    /// The user asked to end, and there are no results.
     Interrupted(String),
 }
 
 impl Failure {
-    /// The same failure with one more line to say.
+    /// The same failure with one more line in its message.
     pub fn with(self, line: &str) -> Self {
         match self {
             Self::Input(message) => Self::Input(format!("{message}\n{line}")),
@@ -43,3 +45,8 @@ impl fmt::Display for Failure {
 }
 
 impl core::error::Error for Failure {}
+
+/// The mistakes of the file `name`, as a failure.
+pub fn in_text(name: &str) -> impl FnOnce(Mistakes) -> Failure {
+    move |mistakes| Failure::Mistakes(Box::new(Report { mistakes, name: name.to_owned(), lines: Vec::new() }))
+}

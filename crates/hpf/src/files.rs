@@ -12,11 +12,14 @@ use hpf_sim::{Policy, TableEnd};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-use crate::failure::Failure;
-use crate::{nodes, overrides, report};
+use crate::failure::{Failure, in_text};
+use crate::{nodes, overrides};
 
 /// Largest data file read [bytes]: the longest trajectory of the most axes, in full digits.
 const MAX_BYTES: u64 = 2 << 30;
+
+/// Most that is read of a device or a pipe [bytes]: it states no length, and may never end.
+const MAX_STREAM_BYTES: u64 = 64 << 20;
 
 /// The policy of a run.
 const POLICY: &str = "policy.json";
@@ -79,13 +82,17 @@ fn read_bytes_limited(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
         io::ErrorKind::NotFound => say("there is no such file".into()),
         _ => say(error.to_string()),
     })?;
-    // A device tells no length: what is read is what counts.
+    let metadata = file.metadata().map_err(|error| say(error.to_string()))?;
+    let is_stream = !metadata.is_file() && limit > MAX_STREAM_BYTES;
+    let (limit, of) = if is_stream { (MAX_STREAM_BYTES, " of a device or a pipe") } else { (limit, "") };
+    let refuse = || Err(say(format!("more than {limit} bytes, which is the most that is read{of}")));
+    if metadata.len() > limit {
+        return refuse();
+    }
+    // Files of the system say that they are empty, and some grow: what is read is what counts.
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| say(error.to_string()))?;
-    if bytes.len() as u64 > limit {
-        return Err(say(format!("more than {limit} bytes, which is the most that is read")));
-    }
-    Ok(bytes)
+    if bytes.len() as u64 > limit { refuse() } else { Ok(bytes) }
 }
 
 /// The text of a file of at most `limit` bytes.
@@ -106,7 +113,7 @@ pub fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
 pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failure> {
     let text = read_limited(path, MAX_TASK_BYTES as u64)?;
     let name = path.display().to_string();
-    let parse = |text: &str, name: &str| Task::parse(text).map_err(report::in_text(name));
+    let parse = |text: &str, name: &str| Task::parse(text).map_err(in_text(name));
     let mut task = parse(&text, &name)?;
     let mut text = text;
     if !overrides.is_empty() {
@@ -122,7 +129,7 @@ pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failur
     }
     if let Some(Environment::Process(process)) = &mut task.environment {
         let place = folder.join(process.folder.as_deref().unwrap_or_default());
-        // Where the working folder cannot be told, the path stays what it is, and the program says what is missing.
+        // Where the working folder is not known, the path stays what it is, and the program says what is missing.
         let place = if place.as_os_str().is_empty() { PathBuf::from(".") } else { place };
         process.folder = Some(std::path::absolute(&place).unwrap_or(place).display().to_string());
     }
@@ -258,7 +265,7 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
     nodes::write(path, bytes.as_ref()).map_err(while_writing(path))
 }
 
-/// Refuses a target that is no file, or stands there already and may not be replaced.
+/// Refuses a target that is no file, or exists and may not be replaced.
 ///
 /// # Errors
 /// [`Failure::Input`] that says what to pass.
@@ -278,7 +285,7 @@ pub fn refuse_occupied(target: &Path, force: bool) -> Result<(), Failure> {
 /// Makes the folder `path` for results, and those above it.
 ///
 /// # Errors
-/// [`Failure::Input`] where something else stands there; [`Failure::Work`] from the system.
+/// [`Failure::Input`] where something else is there; [`Failure::Work`] from the system.
 pub fn make_folder(path: &Path) -> Result<(), Failure> {
     if let Some(words) = nodes::in_the_place_of_a_folder(path) {
         return Err(in_file(path)(format!("this is {words}, and results go into a directory: pass another --out")));
@@ -286,7 +293,7 @@ pub fn make_folder(path: &Path) -> Result<(), Failure> {
     fs::create_dir_all(path).map_err(while_writing(path))
 }
 
-/// Writes the file `target` and the folders above it, where nothing stands or it may be replaced.
+/// Writes the file `target` and the folders above it, where nothing is or it may be replaced.
 ///
 /// # Errors
 /// As [`refuse_occupied`] and [`write`].

@@ -1,4 +1,4 @@
-//! A task learned in a run directory of its own: begun, broken off, gone on with, saved.
+//! A task learned in a run directory of its own: begun, interrupted, resumed, saved.
 //!
 //! ```
 //! use std::sync::atomic::{AtomicUsize, Ordering};
@@ -39,7 +39,7 @@ use crate::files::{LoadedTask, read_task};
 use crate::learning::{self, Learned};
 use crate::summary::Summary;
 use crate::watch::Watch;
-use crate::{overrides, results, start};
+use crate::{overrides, results, save, start};
 
 /// A task and the folder that becomes its run directory.
 pub struct Job {
@@ -67,7 +67,7 @@ pub struct Finished {
 
 impl Job {
     /// The task file `task` with `changes` (each `key.path=value`), to be learned into the folder `target`, or
-    /// `runs/<name>`; from the policy `from`, a file or a run, where one is named. With `force` a run that stands there is
+    /// `runs/<name>`; from the policy `from`, a file or a run, where one is named. With `force` a run that is there is
     /// replaced once this one is whole.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl Job {
     /// [`Failure`] where nothing was learned, or it cannot be written; what there is to go on from stays.
     pub fn learn(mut self, watch: &dyn Watch) -> Result<Finished, Failure> {
         let saved = learning::learn(&self.loaded, Some(&mut self.folder), watch)
-            .and_then(|learned| self.save(&learned).map(|(summary, failures)| (learned, summary, failures)));
+            .and_then(|learned| self.save(&learned, watch).map(|(summary, failures)| (learned, summary, failures)));
         let (learned, summary, failures) = match saved {
             Ok(saved) => saved,
             Err(failure) => return Err(self.folder.abandon(failure)),
@@ -138,10 +138,10 @@ impl Job {
     }
 
     /// Writes what was learned; returns its summary, and which log or figures could not be made.
-    fn save(&mut self, learned: &Learned) -> Result<(Summary, Vec<Failure>), Failure> {
+    fn save(&mut self, learned: &Learned, watch: &dyn Watch) -> Result<(Summary, Vec<Failure>), Failure> {
         let Learned { run, history, metrics, .. } = learned;
-        let mut failures = results::save(run, &self.loaded.text, metrics, &mut self.folder)?;
-        // Where the log written while learning failed, it is told only if the whole one failed too: that has all of it.
+        let mut failures = save::fill(run, &self.loaded.text, metrics, &mut self.folder, watch)?;
+        // The failure of the log written while learning is reported only where the final log failed too: that one has it all.
         if !failures.is_empty() {
             failures.extend(learned.log_failure.iter().map(|why| Failure::Work(why.clone())));
         }

@@ -1,9 +1,10 @@
-//! Learning a task into a folder, from its beginning or from where it was broken off.
+//! Learning a task into a folder, from its beginning or from its checkpoint.
+
+#[cfg(feature = "logs")]
+mod live_log;
 
 use core::fmt::Display;
 use core::time::Duration;
-use std::fs;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use hpf_learn::{History, LearnError, LearningLoop, Problem, Progress, Record, Session, TerminationReason};
@@ -13,15 +14,11 @@ use hpf_sim::{Metric, Policy, Simulation, Trace};
 use crate::checkpoint::{Checkpoint, Input};
 use crate::directory::{CHECKPOINT, Unfinished};
 use crate::failure::Failure;
-use crate::files::{LoadedTask, read_text, sha256, while_writing};
-use crate::log::{Head, Log};
+use crate::files::{LoadedTask, read_text, sha256};
 use crate::process::Process;
 use crate::results::{LearningRow, Run, own_tables};
 use crate::start::{self, START};
 use crate::watch::Watch;
-
-/// The log while learning goes on.
-const LOG: &str = "log.mcap.partial";
 
 /// The result of learning.
 pub struct Learned {
@@ -31,19 +28,19 @@ pub struct Learned {
     pub history: History,
     /// Measures of its motion.
     pub metrics: Vec<Metric>,
-    /// Wall time, of the last stretch where learning was broken off between.
+    /// Wall time; of a resumed run, since it was resumed.
     pub time: Duration,
-    /// Why learning broke off, if it did.
+    /// Why learning failed, if it did.
     pub failure: Option<String>,
-    /// Why the log that is written while learning broke off, if it did.
+    /// Why the log that is written during learning failed, if it did.
     pub log_failure: Option<String>,
-    /// Whether its motion is only as planned, because hpf has not seen the one that was made.
+    /// Whether its motion is the planned one, because the one that was made is not known.
     is_planned: bool,
-    /// Whether what failed may be mended, so that learning can go on.
+    /// Whether the cause of a failure can be removed, so that learning can be resumed.
     is_mendable: bool,
 }
 
-/// The evaluations so far, and what is kept of them.
+/// The evaluations so far, and their snapshots.
 struct Kept<'l> {
     task: &'l Task,
     simulation: &'l Simulation,
@@ -62,7 +59,7 @@ impl Kept<'_> {
 }
 
 /// Learns the task of `loaded` in `folder`, from its checkpoint where there is one; or in memory, where there is no folder.
-/// What the learning hands out is in the checkpoint, and in the log where it is an update, before the learning goes on.
+/// Each batch is in the checkpoint, and each update in the log, before learning continues.
 ///
 /// # Errors
 /// [`Failure`] where the task cannot be learned, or the folder not be written.
@@ -126,10 +123,8 @@ fn learn_in<P: Problem>(
         Session::begin(problem, simulation.parameters(start), &task.learning.method(), task.learning.max_rollouts);
     let mut session = session.map_err(|error| bad_task(task, &error))?;
     let mut kept = Kept { task, simulation, rows: Vec::new(), snapshots: Vec::new() };
-    let first_policy = start.to_json();
-    let head = Head::new(task, &loaded.text, &first_policy);
     let mut record = match &mut folder {
-        Some(folder) => Some(OnTheWay::open(loaded, &head, folder, &mut session, &mut kept, watch)?),
+        Some(folder) => Some(OnTheWay::open((loaded, start), folder, &mut session, &mut kept, watch)?),
         None => None,
     };
     watch.begun(task);
@@ -137,8 +132,8 @@ fn learn_in<P: Problem>(
     let mut learning = LearningLoop::new(problem, session);
     let mut broken = None;
     while !(watch.is_asked() && learning.session().is_evaluated()) {
-        let told = match learning.step() {
-            Ok(Some(told)) => told,
+        let outcome = match learning.step() {
+            Ok(Some(outcome)) => outcome,
             Ok(None) => break,
             Err(LearnError::Stopped) => match failure() {
                 Some(why) => return Err(Failure::Work(why)),
@@ -156,15 +151,15 @@ fn learn_in<P: Problem>(
                 return Err(bad_task(task, &refused));
             }
         };
-        let row = told.progress.as_ref().map(|progress| kept.take(progress));
+        let row = outcome.progress.as_ref().map(|progress| kept.take(progress));
         row.inspect(|row| watch.evaluated(row));
         if let (Some(record), Some(folder)) = (&mut record, &mut folder) {
-            record.append(&told.record, row, watch)?;
+            record.append(&outcome.record, row, watch)?;
             folder.keep_for_resume();
         }
     }
     let time = started.elapsed();
-    let log_failure = record.and_then(|record| record.log_failure);
+    let log_failure = record.and_then(OnTheWay::log_failure);
 
     let (failure, history) = match broken {
         Some((reason, history)) => (Some(reason), history),
@@ -175,43 +170,47 @@ fn learn_in<P: Problem>(
     Ok(Learned { run, history, metrics: Vec::new(), time, failure, log_failure, is_planned: false, is_mendable: false })
 }
 
-/// What is kept of learning on the way, in its folder.
+/// The files that are written while learning goes on.
 struct OnTheWay {
     checkpoint: Checkpoint,
-    /// The log only shows what is learned: where it cannot be written, learning goes on without.
-    log: Option<Log>,
-    log_failure: Option<String>,
-    log_path: PathBuf,
+    #[cfg(feature = "logs")]
+    log: live_log::LiveLog,
 }
 
 impl OnTheWay {
     /// Brings `session` and `kept` to where the folder's checkpoint is, and begins the log anew.
     fn open(
-        loaded: &LoadedTask,
-        head: &Head<'_>,
+        (loaded, start): (&LoadedTask, &Policy),
         folder: &mut Unfinished,
         session: &mut Session,
         kept: &mut Kept<'_>,
         watch: &dyn Watch,
     ) -> Result<Self, Failure> {
         let checkpoint = restore(loaded, folder, session, kept, watch)?;
-        let (log, log_failure) = match log_so_far(head, &kept.rows, folder) {
-            Ok(log) => (Some(log), None),
-            Err(failure) => (None, Some(failure.to_string())),
-        };
-        Ok(Self { checkpoint, log, log_failure, log_path: folder.path(LOG) })
+        #[cfg(not(feature = "logs"))]
+        let _ = start;
+        Ok(Self {
+            checkpoint,
+            #[cfg(feature = "logs")]
+            log: live_log::LiveLog::open((&loaded.task, &loaded.text), start, &kept.rows, folder),
+        })
     }
 
-    /// Adds what was made, and the row where it was evaluated.
+    /// Adds the record of a batch, and the row of an evaluation.
     fn append(&mut self, record: &Record, row: Option<&LearningRow>, watch: &dyn Watch) -> Result<(), Failure> {
-        if let (Some(log), Some(row)) = (&mut self.log, row)
-            && let Err(error) = log.update(row)
-        {
-            let failure = while_writing(&self.log_path)(error).to_string();
-            watch.note(&format!("{failure}; learning goes on without it"));
-            (self.log, self.log_failure) = (None, Some(failure));
-        }
+        #[cfg(feature = "logs")]
+        self.log.append(row, watch);
+        #[cfg(not(feature = "logs"))]
+        let _ = (row, watch);
         self.checkpoint.append(record)
+    }
+
+    /// Why the log failed, if it did.
+    fn log_failure(self) -> Option<String> {
+        #[cfg(feature = "logs")]
+        return self.log.failure();
+        #[cfg(not(feature = "logs"))]
+        None
     }
 }
 
@@ -247,19 +246,7 @@ fn restore(
     Ok(checkpoint)
 }
 
-/// The log of learning with the updates so far: under its own name only once they are all in it.
-fn log_so_far(head: &Head<'_>, rows: &[LearningRow], folder: &Unfinished) -> Result<Log, Failure> {
-    let (own, begun) = (folder.path(LOG), folder.path("log.mcap.partial.begun"));
-    let write = || {
-        let mut log = Log::create(&begun, head)?;
-        rows.iter().try_for_each(|row| log.update(row))?;
-        fs::rename(&begun, &own)?;
-        Ok(log)
-    };
-    write().map_err(while_writing::<std::io::Error>(&own))
-}
-
-/// What decides how learning goes on, besides the checkpoint: the task, its tables and the policy it starts from.
+/// What decides, with the checkpoint, how learning continues: the task, its tables and the policy it starts from.
 fn inputs(loaded: &LoadedTask, folder: &Unfinished) -> Result<Vec<Input>, Failure> {
     let mut inputs = vec![("task.toml".to_owned(), loaded.sha256())];
     let tables = own_tables(&mut loaded.task.clone());
@@ -272,7 +259,7 @@ fn inputs(loaded: &LoadedTask, folder: &Unfinished) -> Result<Vec<Input>, Failur
 }
 
 impl Learned {
-    /// Whether it was interrupted, or what failed may be mended: it can go on.
+    /// Whether it can be resumed: it was interrupted, or the cause of its failure can be removed.
     pub fn is_open(&self) -> bool {
         self.history.stop == TerminationReason::Requested && (self.failure.is_none() || self.is_mendable)
     }

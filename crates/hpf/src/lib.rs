@@ -7,10 +7,12 @@ pub mod directory;
 pub mod escape;
 pub mod export;
 pub mod failure;
+#[cfg(feature = "figures")]
 pub mod figure;
 pub mod files;
 pub mod job;
 pub mod learning;
+#[cfg(feature = "logs")]
 pub mod log;
 pub mod nodes;
 pub mod overrides;
@@ -20,6 +22,7 @@ pub mod process;
 pub mod readers;
 pub mod report;
 pub mod results;
+pub mod save;
 pub mod sinks;
 pub mod start;
 pub mod statistics;

@@ -8,7 +8,7 @@ use std::fs::{self, File, FileType};
 use std::io::{self, Write as _};
 use std::path::Path;
 
-/// What stands at `path` and is no regular file, in words.
+/// The kind of node, in words; `None` for a regular file.
 fn strange(kind: FileType) -> Option<&'static str> {
     #[cfg(unix)]
     {
@@ -30,10 +30,10 @@ fn strange(kind: FileType) -> Option<&'static str> {
     }
 }
 
-/// Refuses to replace what stands at `path` unless it is a regular file; nothing there is fine.
+/// Refuses to replace what is at `path` unless it is a regular file or nothing.
 ///
 /// # Errors
-/// What stands there.
+/// The kind of what is there.
 pub fn replaceable(path: &Path) -> io::Result<()> {
     let Ok(metadata) = path.symlink_metadata() else { return Ok(()) };
     match strange(metadata.file_type()) {
@@ -44,7 +44,7 @@ pub fn replaceable(path: &Path) -> io::Result<()> {
     }
 }
 
-/// What stands at `path` where a directory is wanted, or a link to one, in words; nothing there is fine.
+/// The kind of what is at `path`, in words, where it is neither a directory, nor a link to one, nor nothing.
 pub fn in_the_place_of_a_folder(path: &Path) -> Option<&'static str> {
     let metadata = path.symlink_metadata().ok().filter(|_| !path.is_dir())?;
     Some(strange(metadata.file_type()).unwrap_or("a file"))
@@ -59,7 +59,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     let refuse = |what: &str| Err(io::Error::other(format!("this is {what}, a file is wanted")));
     match strange(kind) {
         Some("a named pipe") if has_writer(path) => {}
-        // A device tells no length, and is read as far as is allowed.
+        // A device states no length: it is read up to a limit.
         None | Some("a device") => {}
         Some(words) => return refuse(words),
     }
@@ -75,7 +75,7 @@ fn has_writer(path: &Path) -> bool {
 /// Creates the file `path`, in the place of a regular file or of nothing; what had the old one open keeps it.
 ///
 /// # Errors
-/// What the system says, and what stands there that is no regular file.
+/// What the system says, and that something there is no regular file.
 pub fn create(path: &Path) -> io::Result<File> {
     replaceable(path)?;
     match fs::remove_file(path) {
@@ -88,7 +88,7 @@ pub fn create(path: &Path) -> io::Result<File> {
 /// Gives the finished file `temporary` the name `path`.
 ///
 /// # Errors
-/// What the system says, and what stands there that is no regular file; `temporary` is removed then, as far as possible.
+/// What the system says, and that something there is no regular file; `temporary` is removed then, as far as possible.
 pub fn settle(temporary: &Path, path: &Path) -> io::Result<()> {
     replaceable(path).and_then(|()| fs::rename(temporary, path)).inspect_err(|_| {
         // The error to report is the first one.
@@ -108,10 +108,4 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         let _ = fs::remove_file(&temporary);
     });
     written.and_then(|()| settle(&temporary, path))
-}
-
-/// Whether a directory is one that hpf made for a run, finished or broken off: only those are replaced.
-pub fn is_run(directory: &Path) -> bool {
-    let has = |name: &str| directory.join(name).is_file();
-    has("task.toml") && ["summary.json", "policy.json", crate::directory::CHECKPOINT].into_iter().any(has)
 }

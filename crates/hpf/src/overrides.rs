@@ -48,7 +48,7 @@ fn set(root: &mut dyn TableLike, one: &str) -> Result<(), String> {
         && !value.contains(['"', '\'', '[', '{', ',']);
     let value = match value.parse() {
         Ok(value) => value,
-        // A shell takes the quotes off: a bare word stands for a text.
+        // A shell takes the quotes off: a bare word is a text.
         Err(_) if is_word => Value::from(value),
         Err(_) => return Err(format!("`{value}` is not a TOML value")),
     };

@@ -1,8 +1,8 @@
 //! An environment that is another program: a simulator, a ROS node, a robot. See docs/process.md.
 //!
-//! hpf starts `workers` of them once and talks JSON lines with each: a rollout out, its costs or its trace back. A worker
-//! that is late, ends or answers what is no answer is ended with all that it started; then it is replaced, and its rollout
-//! made again. A rollout that fails every time is given up, and learning ends where too many are.
+//! hpf starts `workers` of them once and exchanges lines of JSON with each: it sends a rollout, and receives its costs or
+//! its trace. A worker that is late, ends or gives no valid answer is ended with all that it started; then it is replaced,
+//! and its rollout made again. A rollout that fails in every try is rejected; learning ends where too many are.
 
 mod group;
 mod protocol;
@@ -29,7 +29,7 @@ pub struct Process<'s> {
     simulation: &'s Simulation,
     settings: Settings,
     hello: protocol::Hello,
-    /// What the workers answer with.
+    /// What the answers of the workers contain.
     kind: Kind,
     /// The signals of a rollout, where its workers answer with residuals.
     residuals: Option<SignalModel>,
@@ -37,18 +37,18 @@ pub struct Process<'s> {
     free: Mutex<Vec<Worker>>,
     freed: Condvar,
     next: AtomicU64,
-    /// Rollouts given up.
+    /// Rollouts rejected.
     lost: AtomicUsize,
     /// Why no more rollouts are made.
     failure: Mutex<Option<String>>,
 }
 
-/// The contents of a lock: what panicked elsewhere has left them whole.
+/// The contents of a lock; a panic elsewhere leaves them whole.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends workers side by side, each after `patience` for it to end by itself.
+/// Ends workers side by side, each after it had `patience` to end without a signal.
 fn end_all(workers: &mut [Worker], patience: Duration, watch: &dyn Watch) {
     thread::scope(|scope| {
         for worker in workers {
@@ -186,7 +186,7 @@ impl<'s> Process<'s> {
         }
     }
 
-    /// Makes one rollout; `trace` is as planned before it and as measured after it. `None` where nobody can make it.
+    /// Makes one rollout; `trace` is as planned before it and as measured after it. `None` where no worker is left.
     fn answer(&self, draws: Draws, parameters: Parameters<'_>, trace: &mut Trace) -> Option<Answer> {
         if self.is_stopped() {
             return None;
@@ -201,7 +201,7 @@ impl<'s> Process<'s> {
         answer
     }
 
-    /// What `worker`, or those that take its place, make of rollout `id`.
+    /// The answer of `worker`, or of those that replace it, to rollout `id`.
     fn answer_of(&self, worker: &mut Worker, id: u64, request: &str, trace: &mut Trace) -> Option<Answer> {
         let Settings { timeout, tries, .. } = self.settings;
         let timeout = Duration::from_secs_f64(timeout);
@@ -244,7 +244,7 @@ impl<'s> Process<'s> {
         None
     }
 
-    /// Gives up rollout `id`, which failed for the last time because of `why`: it is rejected, or learning ends.
+    /// Rejects rollout `id`, whose last try failed because of `why`, or ends learning.
     fn lose(&self, why: &str, id: u64) -> Option<Answer> {
         let Settings { tries, max_lost, .. } = self.settings;
         let what = format!("{why}; rollout {id} was tried {tries} times");

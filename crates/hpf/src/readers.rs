@@ -10,19 +10,23 @@ use hpf_sim::task::Task;
 use hpf_sim::{Conditions, Demonstration, Policy, Simulation};
 
 use crate::export::{Format, Precision, export};
-use crate::{files, log, overrides, report, results};
+use crate::failure::in_text;
+#[cfg(feature = "logs")]
+use crate::log;
+use crate::{files, overrides, results};
 
 /// A reader: whether it accepts these bytes.
 pub type Reader = fn(&[u8]) -> bool;
 
 /// Every reader by its name, that of its fuzz target and of the folder of its seeds.
-pub const ALL: [(&str, Reader); 7] = [
+pub const ALL: &[(&str, Reader)] = &[
     ("task", task),
     ("overrides", overrides),
     ("policy", policy),
     ("packed", packed),
     ("tables", tables),
     ("demonstrations", demonstrations),
+    #[cfg(feature = "logs")]
     ("mcap", mcap),
 ];
 
@@ -43,7 +47,7 @@ pub fn task(bytes: &[u8]) -> bool {
             for diagnostic in &found {
                 assert!(text.get(diagnostic.span.clone()).is_some(), "{diagnostic:?} is not in the text");
             }
-            assert!(!report::in_text("task.toml")(found).to_string().is_empty());
+            assert!(!in_text("task.toml")(found).to_string().is_empty());
             return false;
         }
     };
@@ -216,6 +220,7 @@ goal = 1.0
 });
 
 /// A log: looked into, and what is whole of it rescued.
+#[cfg(feature = "logs")]
 pub fn mcap(bytes: &[u8]) -> bool {
     if let Ok(recovered) = log::recover(bytes) {
         let rescued = &recovered.bytes;

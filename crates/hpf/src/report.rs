@@ -4,7 +4,6 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use hpf_sim::Mistakes;
 
 use crate::escape::shown;
-use crate::failure::Failure;
 
 /// More mistakes than this are counted, not shown.
 const MOST_SHOWN: usize = 20;
@@ -16,13 +15,8 @@ pub struct Report {
     pub mistakes: Mistakes,
     /// The name of the file.
     pub name: String,
-    /// What else is to be said.
+    /// Further lines of the report.
     pub lines: Vec<String>,
-}
-
-/// The mistakes of the file `name`, as a failure.
-pub fn in_text(name: &str) -> impl FnOnce(Mistakes) -> Failure {
-    move |mistakes| Failure::Mistakes(Box::new(Report { mistakes, name: name.to_owned(), lines: Vec::new() }))
 }
 
 impl Report {

@@ -9,15 +9,11 @@ use hpf_learn::Progress;
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Contact, Disturbance, cantilever::Curve};
 use hpf_sim::task::{Task, Unit};
-use hpf_sim::{AxisTrace, ContactTrace, Metric, Policy, Simulation, Trace};
-use serde_json::Value;
+use hpf_sim::{AxisTrace, ContactTrace, Policy, Simulation, Trace};
 
-use crate::directory::Unfinished;
 use crate::failure::Failure;
-use crate::files::{LoadedTask, in_file, read_policy, read_task, read_text, while_writing};
-use crate::log::Head;
-use crate::sinks::guarded;
-use crate::{figure, log};
+use crate::files::{LoadedTask, in_file, read_policy, read_task, read_text};
+use crate::nodes;
 
 /// A run: the task as run, the policy it led to, and the way there.
 pub struct Run {
@@ -51,7 +47,7 @@ pub struct LearningRow {
 }
 
 /// The table of what a policy imitates.
-const DEMONSTRATIONS: &str = "demonstrations.csv";
+pub const DEMONSTRATIONS: &str = "demonstrations.csv";
 
 fn bad(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message.into())
@@ -239,93 +235,6 @@ pub fn own_tables(task: &mut Task) -> Vec<OwnTable> {
     tables
 }
 
-/// A run to be written at once, into a directory of its own.
-pub struct Whole<'r> {
-    /// The run.
-    pub run: &'r Run,
-    /// The text of its task.
-    pub task_text: &'r str,
-    /// The force tables of the task.
-    pub tables: &'r [OwnTable],
-    /// Measures of its motion.
-    pub metrics: &'r [Metric],
-    /// Other files: names and texts.
-    pub others: Vec<(&'r str, String)>,
-    /// Whether with snapshots, log and figures.
-    pub in_full: bool,
-}
-
-impl Whole<'_> {
-    /// Writes it to `target`, over a run that stands there where it may be replaced (`force`); `summary` is asked for at
-    /// the end. Returns the names of the files, and why the log or figures could not be made.
-    ///
-    /// # Errors
-    /// [`Failure`] where something stands in the way or cannot be written; then nothing is left behind.
-    pub fn write(
-        &self,
-        target: &Path,
-        force: bool,
-        summary: impl FnOnce() -> Value,
-    ) -> Result<(Vec<String>, Vec<Failure>), Failure> {
-        let mut folder = Unfinished::begin(target, force)?;
-        let written = (|| {
-            folder.write("task.toml", self.task_text)?;
-            self.tables.iter().try_for_each(|table| folder.write(&table.name, &table.csv))?;
-            let mut failures = Vec::new();
-            if self.in_full {
-                failures = save(self.run, self.task_text, self.metrics, &mut folder)?;
-            } else {
-                folder.write("policy.json", self.run.policy.to_json())?;
-                folder.write("learning.csv", learning_csv(&self.run.learning))?;
-                folder.write("trajectory.csv", trajectory_csv(&self.run.task, &self.run.trajectory))?;
-            }
-            self.others.iter().try_for_each(|(name, text)| folder.write(name, text))?;
-            folder.write("summary.json", format!("{:#}\n", summary())).map(|()| failures)
-        })();
-        match written {
-            Ok(failures) => {
-                let files = folder.files().to_vec();
-                folder.finish(false).map(|()| (files, failures))
-            }
-            Err(failure) => Err(folder.abandon(failure)),
-        }
-    }
-}
-
-/// Writes all of a run but its task and summary, the policy first. What only shows it, log and figures, may fail without
-/// harm to the rest: the failures are returned.
-///
-/// # Errors
-/// [`Failure`] where a policy or a table cannot be written.
-pub fn save(run: &Run, task_text: &str, metrics: &[Metric], folder: &mut Unfinished) -> Result<Vec<Failure>, Failure> {
-    let policy = run.policy.to_json();
-    folder.write("policy.json", &policy)?;
-    write_tables(run, folder)?;
-    let path = folder.path("log.mcap");
-    let head = Head::new(&run.task, task_text, &policy);
-    let logged = guarded(&path, || log::write(&path, &head, run, metrics).map_err(while_writing(&path)));
-    let mut failures = Vec::new();
-    match logged {
-        Ok(()) => folder.written("log.mcap"),
-        Err(failure) => failures.push(failure),
-    }
-    failures.extend(figure::draw_into(run, folder));
-    Ok(failures)
-}
-
-/// Writes every table of a run.
-fn write_tables(run: &Run, folder: &mut Unfinished) -> Result<(), Failure> {
-    folder.write("learning.csv", learning_csv(&run.learning))?;
-    folder.write("trajectory.csv", trajectory_csv(&run.task, &run.trajectory))?;
-    for (update, trace) in &run.snapshots {
-        folder.write(&format!("snapshots/{update}.csv"), trajectory_csv(&run.task, trace))?;
-    }
-    if let Some(csv) = beam_csv(&run.task) {
-        folder.write("beam.csv", csv)?;
-    }
-    if run.demonstrations.is_empty() { Ok(()) } else { folder.write(DEMONSTRATIONS, demonstrations::write(run)) }
-}
-
 impl From<&Progress> for LearningRow {
     fn from(progress: &Progress) -> Self {
         Self {
@@ -359,8 +268,11 @@ impl Run {
     /// Reads a run directory.
     ///
     /// # Errors
-    /// A message that names the file, where one is missing or damaged.
+    /// [`Failure::Input`] that names what is there in place of a directory, or the file that is missing or damaged.
     pub fn load(directory: &Path) -> Result<Self, Failure> {
+        if let Some(words) = nodes::in_the_place_of_a_folder(directory) {
+            return Err(in_file(directory)(format!("this is {words}, a run directory is wanted")));
+        }
         let task = read_task(&directory.join("task.toml"), &[])?.task;
         let policy = read_policy(&directory.join("policy.json"))?;
         let path = directory.join("learning.csv");

@@ -1,4 +1,4 @@
-//! What only shows a run, its log and its figures: where one cannot be made, the run is kept and the failure is named.
+//! The log and the figures only show a run: where one of them cannot be made, the run is kept and the failure is named.
 
 use core::any::Any;
 use core::panic::AssertUnwindSafe;
@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// Makes the file `path`. As a last resort a fault of the program itself, a panic, is a failure like any other.
 ///
 /// # Errors
-/// What `make` says, or that it broke off.
+/// What `make` returns, or its panic.
 pub fn guarded<T>(path: &Path, make: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     // Nothing that was at work when it broke off is used again.
     catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| {
@@ -28,7 +28,7 @@ pub fn reason(panic: &(dyn Any + Send)) -> &str {
 ///
 /// # Errors
 /// [`Failure::Work`] that names every file that could not be written.
-pub fn told(failures: &[Failure], place: &str) -> Result<(), Failure> {
+pub fn combined(failures: &[Failure], place: &str) -> Result<(), Failure> {
     if failures.is_empty() {
         return Ok(());
     }

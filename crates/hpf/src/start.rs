@@ -1,4 +1,4 @@
-//! What learning starts from: the task's own beginning, or a policy that was demonstrated or learned before.
+//! The policy that learning starts from: the initial one of the task, or one that was demonstrated or learned before.
 
 use std::path::Path;
 

@@ -7,7 +7,7 @@
 //! let prepared = Prepared::read(task.as_ref(), &["learning.updates=20".into()])?;
 //! let learned = trial::learn(&prepared.loaded, &Nobody)?;
 //! assert!(learned.summary.last.0 < learned.summary.initial.0);
-//! trial::save(&learned, &prepared, true, &runs.join("reach"))?;
+//! trial::save(&learned, &prepared, true, &runs.join("reach"), &Nobody)?;
 //! assert!(runs.join("reach/plots/cost.png").is_file());
 //! # Ok::<(), hpf::Failure>(())
 //! ```
@@ -21,8 +21,9 @@ use crate::failure::Failure;
 use crate::files::{LoadedTask, read_task};
 use crate::learning::{self, Learned};
 use crate::overrides;
-use crate::results::{self, OwnTable, Run, Whole};
-use crate::sinks::told;
+use crate::results::{self, OwnTable, Run};
+use crate::save::Whole;
+use crate::sinks::combined;
 use crate::summary::Summary;
 use crate::watch::Watch;
 
@@ -57,7 +58,7 @@ impl Prepared {
 
 /// Why a trial has no results.
 pub enum Broken {
-    /// Ctrl-C.
+    /// The watch asked to end.
     Interrupted,
     /// What went wrong.
     Failed(String),
@@ -80,7 +81,7 @@ impl From<Failure> for Broken {
 
 /// A trial that was learned.
 pub struct Trial {
-    /// What it leaves behind.
+    /// The run.
     pub run: Run,
     /// Its result.
     pub summary: Summary,
@@ -89,7 +90,7 @@ pub struct Trial {
 /// Learns `loaded`, until `watch` asks to end.
 ///
 /// # Errors
-/// [`Broken`] where learning broke off.
+/// [`Broken`] where learning did not finish.
 pub fn learn(loaded: &LoadedTask, watch: &dyn Watch) -> Result<Trial, Broken> {
     let begun = Instant::now();
     let Learned { run, history, metrics, time, failure, .. } = learning::learn(loaded, None, watch)?;
@@ -104,15 +105,16 @@ pub fn learn(loaded: &LoadedTask, watch: &dyn Watch) -> Result<Trial, Broken> {
     Ok(Trial { run, summary })
 }
 
-/// Writes the run directory `target` of a trial, over what stands there; with its snapshots, log and plots where `full`.
+/// Writes the run directory `target` of a trial, over what is there; with its snapshots, log and plots where `full`.
+/// `watch` hears what this build of the library leaves out.
 ///
 /// # Errors
 /// [`Failure`] that names what could not be written; a log or figures that failed leave the rest whole.
-pub fn save(trial: &Trial, prepared: &Prepared, full: bool, target: &Path) -> Result<(), Failure> {
+pub fn save(trial: &Trial, prepared: &Prepared, full: bool, target: &Path, watch: &dyn Watch) -> Result<(), Failure> {
     let Trial { run, summary } = trial;
     let Prepared { loaded, tables } = prepared;
     let whole =
         Whole { run, task_text: &loaded.text, tables, metrics: &summary.metrics, others: Vec::new(), in_full: full };
-    let (_, failures) = whole.write(target, true, || summary.to_json())?;
-    told(&failures, &target.display().to_string())
+    let (_, failures) = whole.write(target, true, watch, || summary.to_json())?;
+    combined(&failures, &target.display().to_string())
 }

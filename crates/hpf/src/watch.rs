@@ -1,45 +1,45 @@
-//! Who looks on while work is done: a terminal, a notebook, a test.
+//! The observer of work: a terminal, a notebook, a test.
 
 use hpf_sim::Task;
 
 use crate::results::LearningRow;
 
-/// What work says of itself, and whether it is to end.
+/// Receives what work reports, and decides whether work should end.
 ///
-/// Every method may be called from any thread, and has a default: nobody looks on, and nothing ends before its time.
+/// Every method may be called from any thread. Every method has a default, which ignores the report and ends nothing.
 pub trait Watch: Sync {
-    /// Something that a user wants to know, in a sentence; work goes on.
+    /// A sentence for the user; work continues.
     fn note(&self, sentence: &str) {
         let _ = sentence;
     }
 
-    /// Learning of `task` begins, or goes on.
+    /// Learning of `task` begins, or continues.
     fn begun(&self, task: &Task) {
         let _ = task;
     }
 
-    /// A policy on the way was evaluated.
+    /// An update was evaluated, or the start.
     fn evaluated(&self, row: &LearningRow) {
         let _ = row;
     }
 
-    /// Whether work is to end where it is whole. Once it is, it stays so.
+    /// Whether work should end as soon as its results are complete. Once true, it must stay true.
     fn is_asked(&self) -> bool {
         false
     }
 
-    /// Whether it is to end without patience: what other programs do is not waited for.
+    /// Whether work should end at once, without waiting for other programs.
     fn is_urgent(&self) -> bool {
         false
     }
 
-    /// Processes are at work from now on (`true`), or have all ended: before that the program should not end.
+    /// Processes run from now on (`true`), or have all ended (`false`). While they run, the program should not exit.
     fn hold(&self, is_held: bool) {
         let _ = is_held;
     }
 }
 
-/// Nobody.
+/// An observer that ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nobody;
 

@@ -3,13 +3,18 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::benchmark::{Study, figures, json, markdown};
-use crate::cli::{Benchmark, Common};
-use crate::outcome::Outcome;
-use crate::terminal::say;
 use hpf::failure::Failure;
 use hpf::figure::{self, Format};
 use hpf::files::{self, make_folder};
+use hpf_studies::benchmark::{History, Study, figures, json, markdown};
+
+use crate::cli::{Benchmark, Common};
+use crate::outcome::Outcome;
+use crate::progress::ManyOnTerminal;
+use crate::terminal::say;
+
+/// The version whose results a history gets.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Runs `hpf benchmark`.
 pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failure> {
@@ -22,19 +27,25 @@ pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failur
             "{place} exists and is left as it is; pass --force to replace it, or --out to write elsewhere"
         )));
     }
-    // What cannot be written is told before minutes of learning, not after.
+    // What cannot be read or written is reported before minutes of learning, not after.
+    let history = options.history.as_deref().map(|path| Ok::<_, Failure>((path, History::read(path)?))).transpose()?;
     make_folder(&folder)?;
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
-    let Some(study) = Study::learn(&options.task, seeds, options.motions, common.quiet)? else {
-        return Ok(Outcome::Interrupted);
-    };
+    let terminal = ManyOnTerminal::new(common.quiet);
+    let study = Study::learn(&options.task, seeds, options.motions, &terminal);
+    terminal.finish();
+    let Some(study) = study? else { return Ok(Outcome::Interrupted) };
     let seconds = started.elapsed().as_secs_f64();
     let object = json(&study, seconds);
     files::write(&folder.join("benchmarks.json"), format!("{object:#}\n"))?;
     let text = markdown(&study, seconds);
     files::write(&page, &text)?;
     figure::draw(&figures(&study), "", Format::Png, &folder.join("images/benchmarks"))?;
+    if let Some((path, mut history)) = history {
+        history.add(&study, VERSION);
+        history.write(path)?;
+    }
     if common.json {
         say(&format!("{object:#}\n"))?;
     } else {

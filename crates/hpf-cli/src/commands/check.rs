@@ -41,7 +41,7 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     let policy = Policy::initial(&loaded.task).map_err(in_file(path))?;
     let simulation = Simulation::new(&loaded.task.as_planned(), &policy).map_err(in_file(path))?;
     let start = simulation.starting_weights(&policy).map_err(in_file(path))?;
-    // What a process makes of it, only the process knows.
+    // Only the process knows the cost of its motions.
     let cost = loaded.task.environment.is_none().then(|| simulation.evaluate(&start).0.total());
     if cost.is_some_and(|cost| !cost.is_finite()) {
         return Err(Failure::Input(format!("{}: the motion before learning has no finite cost", path.display())));
@@ -62,7 +62,7 @@ pub fn check(options: &Check, common: &Common) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// What is right in a task and may yet go wrong.
+/// Warnings about a valid task.
 fn warnings(task: &Task) -> Vec<String> {
     let contact = task.measured_contact().filter(|contact| contact.stiffness >= contact.limit);
     let unstable = contact.map(|contact| {
@@ -110,7 +110,7 @@ fn rest_in_task(policy: &Policy, path: &Path) -> Result<Vec<Metric>, Failure> {
         return Ok(Vec::new());
     }
     let task = read_task(&task, &[])?.task;
-    // The environment of a process is not here to ask.
+    // The environment of a process is not simulated.
     if task.environment.is_some() {
         return Ok(Vec::new());
     }

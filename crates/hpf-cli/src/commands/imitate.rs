@@ -1,6 +1,5 @@
 //! `hpf imitate`: demonstrations in, a policy and its run directory out.
 
-mod options;
 mod saved;
 
 use std::path::{Path, PathBuf};
@@ -11,17 +10,17 @@ use hpf_sim::task::Task;
 use hpf_sim::{Metric, Simulation};
 
 use crate::cli::Common;
+use crate::cli::imitate::Options;
 use crate::deliver::read_task;
 use crate::outcome::Outcome;
 use crate::terminal::say;
-use hpf::failure::Failure;
+use hpf::failure::{Failure, in_text};
 use hpf::files::{LoadedTask, in_file, open_end, read_text, sha256};
-use hpf::results::{LearningRow, Run, Whole};
-use hpf::sinks::told;
+use hpf::results::{LearningRow, Run};
+use hpf::save::Whole;
+use hpf::sinks::combined;
 use hpf::summary::Summary;
-use hpf::{log, overrides, report, results};
-
-pub use options::{HELP, Options};
+use hpf::{Nobody, log, overrides, results};
 
 /// A demonstration and the file it was read from.
 struct Source {
@@ -59,7 +58,7 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
         others: Vec::new(),
         in_full: true,
     };
-    let (files, failures) = whole.write(&target, common.force, || {
+    let (files, failures) = whole.write(&target, common.force, &Nobody, || {
         summary.total_s = started.elapsed().as_secs_f64();
         account.in_json(summary.to_json())
     })?;
@@ -73,7 +72,7 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
     } else {
         say(&account.text(&run, &summary, &place, &files))?;
     }
-    told(&failures, &place)?;
+    combined(&failures, &place)?;
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }
 
@@ -133,7 +132,7 @@ fn task(
     }
     let name = options.name.clone().unwrap_or_else(|| name_of(&sources[0].path));
     let text = overrides::apply(&options.outline(name).write(demonstrations), &changes)?;
-    let task = Task::parse(&text).map_err(report::in_text("the task of the demonstrations"))?;
+    let task = Task::parse(&text).map_err(in_text("the task of the demonstrations"))?;
     Ok(LoadedTask { task, text, notes: Vec::new() })
 }
 

@@ -2,37 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use serde_json::json;
 use toml_edit::Value;
 
-use crate::cli::{Common, Init};
+use crate::cli::Common;
+use crate::cli::init::{Init, Kind};
 use crate::deliver::deliver;
 use crate::outcome::Outcome;
 use hpf::failure::Failure;
 use hpf::files::{place, refuse_occupied};
-
-/// The kinds of task to start from: the shipped ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Kind {
-    /// The smallest: reach a goal against a steady force
-    Reach,
-    /// Reach a goal through a via point, pushed and pulled (Task 1 of the paper)
-    ViaPoint,
-    /// Slide along a bending beam with a constant force (Task 2 of the paper)
-    Cantilever,
-    /// The same on the curve of a beam loaded where the tool is
-    CantileverMovingLoad,
-    /// Come to rest against a wall and press it
-    Wall,
-    /// Turn a rotary joint through a via point against a pulse
-    Joint,
-    /// Reach a goal through a via point under a push that nobody knows: drawn motions, measured on others held out
-    Stochastic,
-    /// A simulator or a robot of your own: a task, and the program that makes its rollouts
-    Process,
-}
 
 /// The program that makes the rollouts of the shipped task of kind process.
 const PROGRAM: &str = include_str!("../../shipped/examples/process/point_mass.py");
@@ -83,7 +61,7 @@ pub fn init(options: &Init, common: &Common) -> Result<Outcome, Failure> {
     };
     if let Some(program) = &program {
         let name = program.file_name().unwrap_or_default().to_string_lossy();
-        // The program stands beside the task, where relative paths are looked for.
+        // The program lies beside the task, where relative paths are looked for.
         let command = Value::from(&*name).to_string();
         text = text.replace(" point_mass.py", &format!(" {name}")).replace("\"point_mass.py\"", &command);
     }
@@ -111,7 +89,7 @@ fn program_beside(target: &Path, force: bool) -> Result<PathBuf, Failure> {
     Ok(program)
 }
 
-/// The text of `kind`, its task named after the file `target`, so that its runs do not stand in the way of others.
+/// The text of `kind`, its task named after the file `target`, so that its runs have a directory of their own.
 fn named_after(target: &Path, kind: Kind) -> String {
     let (folder, shipped, text) = kind.shipped();
     let name = target.file_stem().and_then(|stem| stem.to_str()).filter(|name| is_plain(name)).unwrap_or(kind.name());

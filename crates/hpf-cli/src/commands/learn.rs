@@ -1,4 +1,4 @@
-//! `hpf learn`: a task in, a run directory out; or a run that was broken off, finished.
+//! `hpf learn`: a task in, a run directory out; or an interrupted run, resumed.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use hpf::failure::Failure;
 use hpf::files::{in_file, read_text};
 use hpf::job::{Finished, Job};
 use hpf::log;
-use hpf::sinks::told;
+use hpf::sinks::combined;
 use serde_json::Value;
 
 use crate::cli::{Common, Learn};
@@ -46,7 +46,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
         let next = if learned.is_open() {
             format!("hpf learn --resume {place}")
         } else if task.environment.is_some() {
-            // What a process makes of the policy, hpf cannot simulate.
+            // hpf cannot simulate the environment of a process.
             format!("hpf check {place}")
         } else if task.has_steps_at(1000.0) {
             format!("hpf run {place} --rate 1000")
@@ -63,7 +63,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
             let go_on = format!("go on from there with: hpf learn --resume {place}");
             Err(if learned.is_open() { failure.with(&go_on) } else { failure })
         }
-        None if !failures.is_empty() => told(&failures, &place).map(|()| Outcome::Done),
+        None if !failures.is_empty() => combined(&failures, &place).map(|()| Outcome::Done),
         None if learned.is_open() => Ok(Outcome::Interrupted),
         None if summary.is_missed() => Ok(Outcome::Missed),
         None => Ok(Outcome::Done),

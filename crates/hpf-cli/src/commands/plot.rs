@@ -12,7 +12,7 @@ use hpf::failure::Failure;
 use hpf::figure::{self, Drawing, MOST_SERIES, Named};
 use hpf::results::Run;
 
-/// Names farther apart than this are not taken for each other (0 to 1).
+/// The least likeness of two names at which one is suggested for the other (0 to 1).
 const LEAST_LIKENESS: f64 = 0.75;
 
 /// Runs `hpf plot`.
@@ -60,7 +60,7 @@ fn folder(runs: &[PathBuf], common: &Common) -> Result<PathBuf, Failure> {
     }
 }
 
-/// What each run is called in figures: the last parts of its path that tell it from the others.
+/// What each run is called in figures: the last parts of its path that distinguish it from the others.
 fn names(paths: &[PathBuf]) -> Vec<String> {
     let ending = |path: &Path, parts: usize| {
         let all: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
@@ -76,10 +76,10 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
     paths.iter().map(|path| ending(path, parts)).collect()
 }
 
-/// Refuses runs that no figure can hold together.
+/// Refuses runs that cannot be in one figure.
 fn comparable(runs: &[Named<'_>]) -> Result<(), Failure> {
     if runs.len() > MOST_SERIES {
-        let message = format!("{} runs: at most {MOST_SERIES} are told apart in one figure", runs.len());
+        let message = format!("{} runs: at most {MOST_SERIES} can be distinguished in one figure", runs.len());
         return Err(Failure::Input(message));
     }
     let axes = |named: &Named<'_>| {

@@ -1,23 +1,20 @@
 //! `hpf reproduce`: the paper's figures, and its claims beside what comes out here.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hpf::failure::Failure;
+use hpf::files::{self, in_file, make_folder, read_text};
+use hpf_studies::reproduce::{
+    Claim, Study, claims, difference, json as claims_json, markdown, placed, refuse_occupied, variants, write,
+};
 use serde_json::json;
 
 use crate::cli::{Common, Reproduce};
 use crate::outcome::Outcome;
+use crate::progress::ManyOnTerminal;
 use crate::render;
-use crate::reproduce::{
-    Claim, Study, Variant, claims, difference, json as claims_json, markdown, of_first_seed, over_seeds, placed,
-    variants,
-};
 use crate::terminal::say;
-use hpf::failure::Failure;
-use hpf::figure::{self, Format};
-use hpf::files::{self, in_file, make_folder, read_text};
-use hpf::trial;
 
 /// Runs `hpf reproduce`.
 pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failure> {
@@ -34,15 +31,18 @@ pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failur
     match &page {
         // A page without marks is refused before anything is learned.
         Some((path, text)) => drop(placed(text, "").map_err(in_file(path))?),
-        // What cannot be written is told before minutes of learning, not after.
+        // What cannot be written is reported before minutes of learning, not after.
         None => {
-            free(&folder, common.force)?;
+            refuse_occupied(&folder, common.force)?;
             make_folder(&folder)?;
         }
     }
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
-    let Some(study) = Study::learn(seeds, common.quiet)? else { return Ok(Outcome::Interrupted) };
+    let terminal = ManyOnTerminal::new(common.quiet);
+    let study = Study::learn(seeds, &terminal);
+    terminal.finish();
+    let Some(study) = study? else { return Ok(Outcome::Interrupted) };
     let (claims, variants) = (claims(&study)?, variants(&study));
     let block = markdown(&study, &claims, &variants);
 
@@ -50,7 +50,7 @@ pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failur
         let wanted = placed(&text, &block).map_err(in_file(path))?;
         return judge(path, &text, &wanted, options.update.is_some());
     }
-    let files = write(&study, &claims, &variants, &block, &folder)?;
+    let files = write(&study, (&claims, &variants), &block, &folder, &terminal)?;
     if common.json {
         let mut object = claims_json(&study, &claims, &variants);
         object["directory"] = json!(folder);
@@ -85,44 +85,4 @@ fn judge(path: &Path, text: &str, wanted: &str, update: bool) -> Result<Outcome,
         }
     }
     Ok(Outcome::Done)
-}
-
-/// Refuses a folder that holds something, where it is not to be replaced.
-fn free(folder: &Path, force: bool) -> Result<(), Failure> {
-    let is_empty = fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
-    let refuse = |why: &str| Err(Failure::Input(format!("{} {why}", folder.display())));
-    match (is_empty, force) {
-        (true, _) => Ok(()),
-        (false, true) if folder.join("claims.json").is_file() => Ok(()),
-        (false, true) => refuse("is no reproduction: --force does not replace it, pass another --out"),
-        (false, false) => {
-            refuse("exists and is left as it is; pass --force to replace it, or --out to write elsewhere")
-        }
-    }
-}
-
-/// Writes everything, the tables before the figures that show them.
-fn write(
-    study: &Study,
-    claims: &[Claim],
-    variants: &[Claim],
-    block: &str,
-    folder: &Path,
-) -> Result<Vec<String>, Failure> {
-    let subject = format!("seed {}", study.seeds[0]);
-    let mut names = Vec::new();
-    let text = format!("# The paper, reproduced\n\n{block}");
-    let json = format!("{:#}\n", claims_json(study, claims, variants));
-    for (name, contents) in [("results.csv", study.csv()), ("claims.md", text), ("claims.json", json)] {
-        files::write(&folder.join(name), contents)?;
-        names.push(name.into());
-    }
-    names.extend(figure::draw(&of_first_seed(study), &subject, Format::Png, folder)?);
-    names.extend(figure::draw(&over_seeds(study), "", Format::Png, folder)?);
-    for variant in [Variant::ViaPoint, Variant::Cantilever] {
-        let (prepared, trial) = study.first(variant);
-        trial::save(trial, prepared, true, &folder.join(variant.name()))?;
-        names.push(format!("{}/", variant.name()));
-    }
-    Ok(names)
 }

@@ -14,12 +14,13 @@ use crate::outcome::Outcome;
 use crate::render;
 use crate::terminal::{say, tell};
 use hpf::conduct::Controlled;
-use hpf::failure::Failure;
+use hpf::failure::{Failure, in_text};
 use hpf::files::{in_file, read_limited, read_policy, sha256};
-use hpf::results::{LearningRow, Run, Whole};
-use hpf::sinks::told;
+use hpf::results::{LearningRow, Run};
+use hpf::save::Whole;
+use hpf::sinks::combined;
 use hpf::summary::Summary;
-use hpf::{overrides, report, results};
+use hpf::{Nobody, overrides, results};
 
 /// What `--set` may change: the policy decides the rest.
 const ENVIRONMENT: [&str; 8] = ["rate", "disturbance", "contact", "sensor", "actuator", "via_point", "cost", "accept"];
@@ -99,7 +100,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
         }
         let whole =
             Whole { run: &run, task_text: &loaded.text, tables: &tables, metrics: &metrics, others, in_full: true };
-        (files, failures) = whole.write(target, common.force, || {
+        (files, failures) = whole.write(target, common.force, &Nobody, || {
             summary.total_s = started.elapsed().as_secs_f64();
             object(&summary)
         })?;
@@ -114,7 +115,7 @@ pub fn simulate(options: &Simulate, common: &Common) -> Result<Outcome, Failure>
             say(&controlled.render(&run.task, &time))?;
         }
     }
-    told(&failures, place.as_deref().unwrap_or_default())?;
+    combined(&failures, place.as_deref().unwrap_or_default())?;
     Ok(if summary.is_missed() { Outcome::Missed } else { Outcome::Done })
 }
 
@@ -129,7 +130,7 @@ fn settings(options: &Simulate, task: &Task) -> Result<Option<(Settings, Option<
     let Some(path) = &options.settings else { return Ok(Some((Settings::default(), None))) };
     let text = read_limited(path, MAX_TASK_BYTES as u64)?;
     let name = path.display().to_string();
-    let settings = Settings::parse(&text, &task.axis).map_err(report::in_text(&name))?;
+    let settings = Settings::parse(&text, &task.axis).map_err(in_text(&name))?;
     Ok(Some((settings, Some(text))))
 }
 

@@ -1,4 +1,4 @@
-//! The fields of MCAP records, read without believing any length in them.
+//! The fields of MCAP records, read without trusting any length in them.
 
 use std::collections::BTreeMap;
 

@@ -1,6 +1,6 @@
 //! What is in an MCAP file, complete or not, ours or not.
 //!
-//! No length in the file is believed: bytes are read as they come, a record is taken only when all of it is there, and
+//! No length in the file is trusted: bytes are read as they come, a record is taken only when all of it is there, and
 //! what the chunks unpack to is bounded ([`Work`]). Of a truncated file this finds
 //! every whole chunk. An open chunk, as other writers leave it, carries the length `u64::MAX`: there the file ends.
 
@@ -159,7 +159,7 @@ impl Contents {
         let records = whole(&chunk, work).map_err(|why| Ending::Damaged(why.into()))?;
         let mut records = Fields(&records);
         while let Some((opcode, data)) = records.record() {
-            // Nothing else stands in a chunk.
+            // A chunk holds nothing else.
             if matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
                 self.record(opcode, data).ok_or_else(|| Ending::Damaged(bad_record(opcode)))?;
             }

@@ -1,6 +1,6 @@
-//! Where whole records stand in an MCAP file that was cut or damaged.
+//! Finds the whole records of an MCAP file that was cut or damaged.
 //!
-//! The file is read from its front, record by record. Behind bytes that are no record the search goes on for records that
+//! The file is read from its front, record by record. Behind bytes that are no record the search continues for records that
 //! prove themselves: chunks and attachments by their checksum, metadata by its frame. No length in the file is believed:
 //! nothing is allocated for bytes that are not there.
 
@@ -28,7 +28,7 @@ pub enum Piece<'a> {
     Cut(Chunk<'a>),
 }
 
-/// What stands at a place in the file.
+/// What is found at a place in the file.
 enum Place<'a> {
     /// A piece, and how long it is [bytes].
     Piece(Piece<'a>, usize),
@@ -149,7 +149,7 @@ fn aligned<'a>(rest: &'a [u8], work: &Work) -> Place<'a> {
     // A chunk that the file ends in, or that its writer never closed.
     match rest.split_first_chunk::<RECORD_HEAD>() {
         Some((head, data)) if head[0] == op::CHUNK => match chunk(data) {
-            // Its length may be what is damaged: the search goes on inside, where no record proves itself.
+            // Its length may be what is damaged: the search continues inside, where no record proves itself.
             Some(chunk) => Place::Piece(Piece::Cut(chunk), RECORD_HEAD),
             None => Place::Strange,
         },
@@ -180,7 +180,7 @@ fn proven<'a>(rest: &'a [u8], work: &Work) -> Place<'a> {
     if is_proven { Place::Piece(Piece::Record(opcode, data), RECORD_HEAD + data.len()) } else { Place::Strange }
 }
 
-/// Whether a chunk or an attachment that is whole stands in `bytes`.
+/// Whether `bytes` hold a whole chunk or attachment.
 fn hides_record(bytes: &[u8], work: &Work) -> bool {
     // A record is looked through once: what it hides is not looked through again for each of its bytes.
     if !work.spend(bytes.len() as u64) {

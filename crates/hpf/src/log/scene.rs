@@ -27,7 +27,7 @@ const THIN: f64 = 0.005;
 /// Diameter of targets and of the arrow's head, as a share of the size of the motion.
 const MARK: f64 = 0.015;
 
-// Okabe and Ito's colours, which colour-blind people can tell apart.
+// Okabe and Ito's colours, which colour-blind people can distinguish.
 const LEARNED: Color = Color { r: 0.0, g: 0.447, b: 0.698, a: 1.0 };
 const REFERENCE: Color = Color { r: 0.902, g: 0.624, b: 0.0, a: 1.0 };
 const TARGET: Color = Color { r: 0.0, g: 0.620, b: 0.451, a: 1.0 };
@@ -107,7 +107,7 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Force of the environment on the tool along axis `a` [N]: what the admittance sees, less the set-point it is told.
+/// Force of the environment on the tool along axis `a` [N]: what the admittance sees, without the set-point.
 pub(super) fn environment_force(task: &Task, trace: &Trace, a: usize, i: usize) -> f64 {
     let set_point = match (&task.contact, &trace.contact) {
         (Some(contact), Some(signals)) if signals.axis == a => contact.surface(0.0, 0.0).direction * signals.set_point,

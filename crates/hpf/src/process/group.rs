@@ -1,8 +1,8 @@
-//! All that a command starts: ended together, and gone before anything else is started.
+//! A command and all that it starts: ended together, and gone before another command is started.
 //!
 //! A command is often a launcher, and the program that holds the robot its child. On Unix the command leads a process
-//! group of its own, which its children share; on Linux it carries a mark in its environment besides, by which those are
-//! found that have left the group, as daemons do. On other systems only the command itself is known.
+//! group of its own, which its children share; on Linux its environment also has a mark, by which processes are found
+//! that have left the group, as daemons do. On other systems only the command itself is known.
 
 use core::time::Duration;
 use std::io;
@@ -14,17 +14,17 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 const MARK: &str = "HPF_WORKER";
 /// Time from the signal that asks processes to end until they are killed.
 const WARNING: Duration = Duration::from_secs(2);
-/// Time that what was killed has to be gone.
+/// Time after the kill within which processes must be gone.
 const DYING: Duration = Duration::from_secs(5);
-/// Time between looks at what is left.
+/// Time between checks of what is left.
 const GLANCE: Duration = Duration::from_millis(10);
 
 /// A signal to all processes of a group.
 #[derive(Clone, Copy, Debug)]
 enum Order {
-    /// End, please.
+    /// A request to end.
     Terminate,
-    /// Be gone.
+    /// A kill.
     Kill,
 }
 
@@ -121,7 +121,7 @@ mod unix {
             }
         }
 
-        /// Sends a signal to all that is left. What is gone meanwhile needs none.
+        /// Sends a signal to all processes that are left.
         pub(super) fn tell(&self, order: Order) {
             let signal = match order {
                 Order::Terminate => Signal::SIGTERM,
@@ -158,7 +158,7 @@ mod unix {
         /// Process `id`; `None` where it is not, or dead.
         fn read(id: i32) -> Option<Self> {
             let line = std::fs::read(format!("/proc/{id}/stat")).ok()?;
-            // The name stands in brackets and may hold any byte: what follows the last one is state, parent and group.
+            // The name is in brackets and may hold any byte: what follows the last one is state, parent and group.
             let end = line.iter().rposition(|byte| *byte == b')')?;
             let mut words = core::str::from_utf8(&line[end + 1..]).ok()?.split_whitespace();
             let (state, group) = (words.next()?, words.nth(1)?.parse().ok()?);

@@ -1,4 +1,4 @@
-//! The lines: what hpf says and what it takes for an answer.
+//! The lines of the protocol: what hpf sends, and which answers it accepts.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,7 @@ const ENVELOPE: usize = 1 << 16;
 /// Bytes of a number of an answer with what stands around it, at most: full digits take 26.
 const NUMBER: usize = 32;
 
-/// What a worker answers with.
+/// What the answers of a worker contain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A total, or the cost of each step.
@@ -29,7 +29,7 @@ pub enum Kind {
     Residuals(usize),
 }
 
-/// What every worker is told first, but for its number.
+/// The first message to every worker, without its number.
 pub struct Hello {
     task: String,
     seed: u64,
@@ -190,7 +190,7 @@ pub fn request(
     serde_json::to_string(&rollout).expect("numbers and lists can be written") + "\n"
 }
 
-/// What came of a rollout.
+/// The result of a rollout.
 #[derive(Debug, PartialEq)]
 pub enum Answer {
     /// Its total cost.
@@ -201,7 +201,7 @@ pub enum Answer {
     Trace,
     /// Numbers, half the sum of whose squares is the cost.
     Residuals(Vec<f64>),
-    /// Nothing, and why.
+    /// A failure, and its reason.
     Failed(String),
 }
 
@@ -371,16 +371,16 @@ mod tests {
         Trace { time: vec![0.0, 0.5, 1.0], axes: vec![axis], ..Trace::default() }
     }
 
-    fn told(line: &str, kind: Kind) -> Result<Answer, String> {
+    fn answered(line: &str, kind: Kind) -> Result<Answer, String> {
         answer(line, 7, kind, &mut trace())
     }
 
     #[test]
     fn costs_come_as_a_total_or_step_by_step() {
-        assert_eq!(told(r#"{"type":"done","id":7,"cost":2.5}"#, Kind::Costs), Ok(Answer::Total(2.5)));
-        let steps = told(r#"{"type":"done","id":7,"costs":[1,2],"terminal":3}"#, Kind::Costs);
+        assert_eq!(answered(r#"{"type":"done","id":7,"cost":2.5}"#, Kind::Costs), Ok(Answer::Total(2.5)));
+        let steps = answered(r#"{"type":"done","id":7,"costs":[1,2],"terminal":3}"#, Kind::Costs);
         assert_eq!(steps, Ok(Answer::Steps(vec![1.0, 2.0], 3.0)));
-        let steps = told(r#"{"type":"done","id":7,"costs":[1,2]}"#, Kind::Costs);
+        let steps = answered(r#"{"type":"done","id":7,"costs":[1,2]}"#, Kind::Costs);
         assert_eq!(steps, Ok(Answer::Steps(vec![1.0, 2.0], 0.0)));
     }
 
@@ -397,17 +397,17 @@ mod tests {
     fn numbers_that_are_none_are_costs_without_a_number() {
         for none in ["NaN", "Infinity", "-Infinity", "null"] {
             let line = format!(r#"{{"type":"done","id":7,"cost":{none}}}"#);
-            assert!(matches!(told(&line, Kind::Costs), Ok(Answer::Total(cost)) if cost.is_nan()), "{none}");
+            assert!(matches!(answered(&line, Kind::Costs), Ok(Answer::Total(cost)) if cost.is_nan()), "{none}");
             let line = format!(r#"{{"type":"done","id":7,"costs":[{none},1],"terminal":{none}}}"#);
-            let Ok(Answer::Steps(costs, end)) = told(&line, Kind::Costs) else { panic!("{line}") };
+            let Ok(Answer::Steps(costs, end)) = answered(&line, Kind::Costs) else { panic!("{line}") };
             assert!(costs[0].is_nan() && costs[1] == 1.0 && end.is_nan());
             let line = format!(
                 r#"{{"type":"done","id":7,"axes":[{{"position":[0,{none},2],"velocity":[3,4,5],"force":[6,7,8]}}]}}"#
             );
-            assert!(matches!(told(&line, Kind::Trace), Ok(Answer::Failed(_))));
+            assert!(matches!(answered(&line, Kind::Trace), Ok(Answer::Failed(_))));
         }
         let text = r#"{"type":"done","id":7,"error":"it said \"NaN\" and NaN"}"#;
-        assert_eq!(told(text, Kind::Costs), Ok(Answer::Failed("it said \"NaN\" and NaN".into())));
+        assert_eq!(answered(text, Kind::Costs), Ok(Answer::Failed("it said \"NaN\" and NaN".into())));
     }
 
     #[test]
@@ -427,10 +427,10 @@ mod tests {
                 "1 numbers of position for 3 samples",
             ),
         ] {
-            let refused = told(line, kind).unwrap_err();
+            let refused = answered(line, kind).unwrap_err();
             assert!(refused.contains(words), "{refused}");
         }
-        let long = told(&"x".repeat(1000), Kind::Costs).unwrap_err();
+        let long = answered(&"x".repeat(1000), Kind::Costs).unwrap_err();
         assert!(long.len() < 250 && long.contains("..."), "{long}");
     }
 

@@ -1,4 +1,4 @@
-//! One place for a process, its lines, and its end.
+//! One slot for a process: its start, its lines, its end.
 
 use core::time::Duration;
 use std::io::{BufRead, BufReader, Read as _, Write as _};
@@ -14,12 +14,12 @@ use super::group::Group;
 use super::protocol::{self, Hello, Kind};
 use crate::watch::{Nobody, Watch};
 
-/// Time that a process has to end by itself after its input was closed.
+/// Time in which a process should end after its input was closed, before it is signaled.
 pub const PARTING: Duration = Duration::from_secs(2);
-/// Time between looks at whether hpf was asked to end.
+/// Time between checks whether hpf was asked to end.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// A place for a process that makes one rollout at a time; there may be none in it.
+/// A slot for a process that makes one rollout at a time; it may be empty.
 pub struct Worker {
     /// From 1.
     number: usize,
@@ -75,9 +75,9 @@ impl Worker {
                 }
             }
         });
-        let (told, lines) = sync_channel(0);
+        let (sender, lines) = sync_channel(0);
         let most = hello.longest_line();
-        thread::spawn(move || read_lines(BufReader::new(stdout), most, &told));
+        thread::spawn(move || read_lines(BufReader::new(stdout), most, &sender));
         // A process that is gone says so when it is waited for.
         let _ = requests.send(hello.line(self.number));
         self.running = Some(Running { group, since: Instant::now(), requests, lines });
@@ -141,7 +141,7 @@ impl Worker {
         }
     }
 
-    /// Ends the process and all that it started, after `patience` for it to end by itself.
+    /// Ends the process and all that it started, after it had `patience` to end without a signal.
     ///
     /// # Errors
     /// Which processes cannot be ended: the place is not to be used again.
@@ -171,7 +171,7 @@ fn ending(status: Option<ExitStatus>) -> String {
 }
 
 /// Hands on the lines of a process, each of `most` bytes at most, until one is none or nobody takes them.
-fn read_lines(mut reader: impl BufRead, most: usize, told: &SyncSender<Result<String, String>>) {
+fn read_lines(mut reader: impl BufRead, most: usize, sender: &SyncSender<Result<String, String>>) {
     loop {
         let mut line = Vec::new();
         let line = match (&mut reader).take(most as u64 + 1).read_until(b'\n', &mut line) {
@@ -184,7 +184,7 @@ fn read_lines(mut reader: impl BufRead, most: usize, told: &SyncSender<Result<St
             Err(error) => Err(format!("cannot be read: {error}")),
         };
         let is_over = line.is_err();
-        if told.send(line).is_err() || is_over {
+        if sender.send(line).is_err() || is_over {
             return;
         }
     }
@@ -196,8 +196,8 @@ mod tests {
 
     /// What is handed on of `bytes`, with lines of 8 bytes at most.
     fn lines(bytes: &'static [u8]) -> Vec<Result<String, String>> {
-        let (told, lines) = sync_channel(0);
-        thread::spawn(move || read_lines(bytes, 8, &told));
+        let (sender, lines) = sync_channel(0);
+        thread::spawn(move || read_lines(bytes, 8, &sender));
         lines.iter().collect()
     }
 

@@ -1,4 +1,4 @@
-//! What an imitation leaves beside a run: where it came from, and how near it came.
+//! What an imitation adds to a run: its sources, and its distance from the demonstrations.
 
 use core::fmt::Write as _;
 use hpf::words;

@@ -1,15 +1,15 @@
 //! What is learned: every task by every method with every seed, none of them tuned.
 
-use std::sync::Mutex;
+use core::result::Result as Outcome;
 
-use crate::progress::{OnTerminal, Tally};
-use crate::side_by_side::side_by_side;
-use hpf::failure::Failure;
+use hpf::failure::{Failure, in_text};
 use hpf::files::LoadedTask;
+use hpf::overrides;
 use hpf::statistics::Spread;
-use hpf::trial::{self, Broken, Prepared, Trial};
-use hpf::{overrides, report};
+use hpf::trial::{Broken, Prepared, Trial};
 use hpf_sim::task::Task;
+
+use crate::many::{StudyWatch, learn_each};
 
 /// Rollouts of an update, whatever the task says.
 const ROLLOUTS: usize = 20;
@@ -106,16 +106,17 @@ pub struct Study {
 }
 
 impl Study {
-    /// Learns `tasks`, all where none is named.
+    /// Learns `tasks`, all where none is named, with each of `seeds` and at most `motions` a run.
     ///
     /// # Errors
-    /// [`Failure::Input`] for a task that there is not, [`Failure::Work`] where a run fails; `None` after Ctrl-C.
+    /// [`Failure::Input`] for a task that there is not, [`Failure::Work`] where a run fails; `None` where `watch` asked
+    /// to end.
     pub fn learn(
         tasks: &[String],
         seeds: Vec<u64>,
         motions: usize,
-        quiet: bool,
-    ) -> core::result::Result<Option<Self>, Failure> {
+        watch: &dyn StudyWatch,
+    ) -> Outcome<Option<Self>, Failure> {
         if let Some(stranger) = tasks.iter().find(|task| TARGETS.iter().all(|target| target.name != **task)) {
             let known = TARGETS.iter().map(|target| target.name).collect::<Vec<_>>().join(", ");
             return Err(Failure::Input(format!("there is no task `{stranger}` to compare on; there are: {known}")));
@@ -131,21 +132,12 @@ impl Study {
                 results.push(Result { target, method, trials: Vec::new() });
             }
         }
-        let done: Vec<Mutex<Option<core::result::Result<Trial, Broken>>>> =
-            jobs.iter().map(|_| Mutex::new(None)).collect();
-        let tally = Mutex::new(Tally::new("benchmark", jobs.len(), 0, quiet));
-        side_by_side(jobs.len(), |index| {
-            let trial = trial::learn(&jobs[index].loaded, &OnTerminal::new(true));
-            tally.lock().expect("no worker panics").count(&jobs[index].loaded.task.name, None);
-            *done[index].lock().expect("no worker panics") = Some(trial);
-        })?;
-        tally.into_inner().expect("no worker panics").finish();
-        for (index, trial) in done.into_iter().enumerate() {
+        for (index, trial) in learn_each("benchmark", &jobs, watch)?.into_iter().enumerate() {
             let result = &mut results[index / seeds.len()];
-            match trial.into_inner().expect("no worker panics") {
-                Some(Ok(trial)) => result.trials.push(trial),
-                None | Some(Err(Broken::Interrupted)) => return Ok(None),
-                Some(Err(Broken::Failed(why))) => {
+            match trial {
+                Ok(trial) => result.trials.push(trial),
+                Err(Broken::Interrupted) => return Ok(None),
+                Err(Broken::Failed(why)) => {
                     let (task, seed) = (result.target.name, seeds[index % seeds.len()]);
                     return Err(Failure::Work(format!("{task} by {} with seed {seed} failed: {why}", result.method)));
                 }
@@ -161,8 +153,8 @@ impl Study {
 }
 
 /// A task as one method learns it: all its own keys but those of the method and of the budget.
-fn prepared(target: &Target, changes: &[&str], seed: u64, motions: usize) -> core::result::Result<LoadedTask, Failure> {
-    let parse = |text: &str| Task::parse(text).map_err(report::in_text(target.name));
+fn prepared(target: &Target, changes: &[&str], seed: u64, motions: usize) -> Outcome<LoadedTask, Failure> {
+    let parse = |text: &str| Task::parse(text).map_err(in_text(target.name));
     let draws = parse(target.text)?.draws();
     // Annealing ends with the budget.
     let updates = (motions / ((ROLLOUTS + 1) * draws)).max(1);

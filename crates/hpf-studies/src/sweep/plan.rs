@@ -2,16 +2,30 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::Sweep;
-use crate::deliver::read_task;
+use hpf::Watch;
 use hpf::failure::Failure;
-use hpf::files::{in_file, sha256};
+use hpf::files::{in_file, read_task, sha256};
 use hpf::trial::Prepared;
 
 /// Most runs of one sweep.
 const MOST_RUNS: usize = 10_000;
-/// Longest name of the directory of a setting; longer ones are cut, and told apart by a hash.
+/// Longest name of the directory of a setting; longer ones are cut, and distinguished by a hash.
 const LONGEST_NAME: usize = 100;
+
+/// What a sweep is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// The task file.
+    pub task: PathBuf,
+    /// Runs of every setting, each with a seed of its own.
+    pub seeds: u32,
+    /// The first seed; `None` for that of the task.
+    pub first_seed: Option<u64>,
+    /// Keys that are varied, each `key.path=value,value,...`.
+    pub vary: Vec<String>,
+    /// Changes to every run, each `key.path=value`.
+    pub set: Vec<String>,
+}
 
 /// A key that is varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,23 +72,24 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan that the arguments ask for; `first` is the first seed, where it is not the task's.
+    /// The plan that `request` asks for; `watch` hears the notes of the task, once for all runs.
     ///
     /// # Errors
     /// [`Failure`] for values that cannot be, before anything is learned.
-    pub fn new(options: &Sweep, first: Option<u64>) -> Result<Self, Failure> {
-        // Its notes are told here, once for all runs.
-        let base = read_task(&options.task, &options.set)?.task;
-        let factors = options.vary.iter().map(|text| factor(text)).collect::<Result<Vec<_>, _>>()?;
+    pub fn new(request: &Request, watch: &dyn Watch) -> Result<Self, Failure> {
+        let loaded = read_task(&request.task, &request.set)?;
+        loaded.notes.iter().for_each(|note| watch.note(&format!("note: {note}")));
+        let base = loaded.task;
+        let factors = request.vary.iter().map(|text| factor(text)).collect::<Result<Vec<_>, _>>()?;
         if let Some(twice) = (1..factors.len()).find(|i| factors[..*i].iter().any(|one| one.key == factors[*i].key)) {
             let message =
                 format!("--vary {}: the key is varied already, name all its values at once", factors[twice].key);
             return Err(Failure::Input(message));
         }
-        let first = first.unwrap_or(base.learning.seed);
-        let last = first.checked_add(u64::from(options.seeds) - 1).filter(|last| *last <= i64::MAX as u64);
+        let first = request.first_seed.unwrap_or(base.learning.seed);
+        let last = first.checked_add(u64::from(request.seeds) - 1).filter(|last| *last <= i64::MAX as u64);
         let last = last.ok_or_else(|| {
-            Failure::Input(format!("{} seeds from {first} on pass the largest seed, {}", options.seeds, i64::MAX))
+            Failure::Input(format!("{} seeds from {first} on pass the largest seed, {}", request.seeds, i64::MAX))
         })?;
         let seeds: Vec<u64> = (first..=last).collect();
         let runs = factors.iter().map(|factor| factor.values.len()).try_fold(seeds.len(), usize::checked_mul);
@@ -87,18 +102,18 @@ impl Plan {
         let mut jobs = Vec::new();
         for (index, setting) in settings.iter().enumerate() {
             for &seed in &seeds {
-                let mut changes = options.set.clone();
+                let mut changes = request.set.clone();
                 changes.extend(
                     factors.iter().zip(&setting.values).map(|(factor, value)| format!("{}={value}", factor.key)),
                 );
                 changes.push(format!("learning.seed={seed}"));
-                let prepared = Prepared::read(&options.task, &changes).map_err(|failure| {
+                let prepared = Prepared::read(&request.task, &changes).map_err(|failure| {
                     failure.with(&format!("this is one of the runs that --vary asks for: {}", setting.name))
                 })?;
                 if prepared.loaded.task.environment.is_some() {
                     let message = "a sweep makes several motions at once, in simulation; [environment] names a process, \
                                    which hpf learn runs";
-                    return Err(in_file(&options.task)(message));
+                    return Err(in_file(&request.task)(message));
                 }
                 let directory = Path::new("runs").join(directory(setting)).join(format!("seed-{seed}"));
                 jobs.push(Job { setting: index, seed, directory, prepared });
@@ -107,7 +122,7 @@ impl Plan {
         Ok(Self { task: base.name, factors, settings, seeds, jobs })
     }
 
-    /// What figures call a setting: the last parts of its keys, where they tell the keys apart.
+    /// What figures call a setting: the last parts of its keys, where they distinguish the keys.
     pub fn label(&self, setting: &Setting) -> String {
         let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
         let mut lasts: Vec<String> = self.factors.iter().map(|factor| last(&factor.key)).collect();
@@ -120,7 +135,7 @@ impl Plan {
         parts.collect::<Vec<_>>().join(", ")
     }
 
-    /// What tells a setting from the others, briefly: its values.
+    /// The short name of a setting: its values.
     pub fn short_name(&self, setting: &Setting) -> String {
         if setting.values.is_empty() { self.task.clone() } else { setting.values.join(" / ") }
     }
@@ -177,7 +192,7 @@ fn factor(text: &str) -> Result<Factor, Failure> {
     Ok(Factor { key: key.to_owned(), values })
 }
 
-/// `text` cut at the commas that stand in no list, table or string.
+/// `text` cut at the commas outside of lists, tables and strings.
 fn split(text: &str) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_i32, None);
     for (at, sign) in text.char_indices() {

@@ -1,18 +1,16 @@
 //! Learning the runs that are not there yet: several at once, each as it would be learned alone.
 
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
-use serde_json::{Value, json};
-
-use super::plan::{Job, Plan};
-use crate::interrupt;
-use crate::progress::{OnTerminal, Tally};
-use crate::side_by_side::side_by_side;
 use hpf::failure::Failure;
 use hpf::files::{read_text, sha256};
 use hpf::results::{OwnTable, read_learning};
 use hpf::trial::{self, Broken};
+use serde_json::{Value, json};
+
+use super::plan::{Job, Plan};
+use crate::many::{OneOfMany, StudyWatch, side_by_side};
 
 /// What became of the runs of a plan.
 pub struct Done {
@@ -20,7 +18,7 @@ pub struct Done {
     pub failures: Vec<Option<String>>,
     /// Runs that were there before.
     pub kept: usize,
-    /// Whether Ctrl-C came.
+    /// Whether the watch asked to end.
     pub interrupted: bool,
 }
 
@@ -64,7 +62,7 @@ fn standing(job: &Job, folder: &Path, full: bool) -> Standing {
 ///
 /// # Errors
 /// [`Failure::Input`] where other results are in the way and `force` is not given, before anything is learned.
-pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: bool) -> Result<Done, Failure> {
+pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, watch: &dyn StudyWatch) -> Result<Done, Failure> {
     let mut waiting = Vec::new();
     for (index, job) in plan.jobs.iter().enumerate() {
         match standing(job, folder, full) {
@@ -81,24 +79,24 @@ pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, quiet: boo
     }
     let kept = plan.jobs.len() - waiting.len();
     let failures = Mutex::new(vec![None; plan.jobs.len()]);
-    let tally = Mutex::new(Tally::new(&plan.task, plan.jobs.len(), kept, quiet));
-    side_by_side(waiting.len(), |index| {
+    watch.planned(&plan.task, plan.jobs.len(), kept);
+    side_by_side(waiting.len(), watch, |index| {
         let index = waiting[index];
         let job = &plan.jobs[index];
-        let failure = match learn(job, folder, full) {
+        let failure = match learn(job, folder, full, watch) {
             Err(Broken::Interrupted) => return,
             Err(Broken::Failed(why)) => Some(why),
             Ok(()) => None,
         };
-        tally.lock().expect("no worker panics").count(job.directory.display(), failure.as_deref());
-        failures.lock().expect("no worker panics")[index] = failure;
+        watch.run_ended(&job.directory.display().to_string(), failure.as_deref());
+        failures.lock().unwrap_or_else(PoisonError::into_inner)[index] = failure;
     })?;
-    tally.into_inner().expect("no worker panics").finish();
-    let failures = failures.into_inner().expect("no worker panics");
-    Ok(Done { failures, kept, interrupted: interrupt::is_asked() })
+    let failures = failures.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(Done { failures, kept, interrupted: watch.is_asked() })
 }
 
-fn learn(job: &Job, folder: &Path, full: bool) -> Result<(), Broken> {
-    let trial = trial::learn(&job.prepared.loaded, &OnTerminal::new(true))?;
-    Ok(trial::save(&trial, &job.prepared, full, &folder.join(&job.directory))?)
+fn learn(job: &Job, folder: &Path, full: bool, watch: &dyn StudyWatch) -> Result<(), Broken> {
+    let watch = OneOfMany(watch);
+    let trial = trial::learn(&job.prepared.loaded, &watch)?;
+    Ok(trial::save(&trial, &job.prepared, full, &folder.join(&job.directory), &watch)?)
 }

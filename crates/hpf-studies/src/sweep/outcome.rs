@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
+use hpf::failure::Failure;
+use hpf::files::{in_file, read_text, while_writing};
+use hpf::results::{LearningRow, read_learning};
+use hpf::statistics::Spread;
 use hpf_sim::cost::Term;
 use serde_json::{Map, Value, json};
 
 use super::plan::{Job, Plan};
 use super::work::Done;
-use hpf::failure::Failure;
-use hpf::files::{in_file, read_text, while_writing};
-use hpf::results::{LearningRow, read_learning};
-use hpf::statistics::Spread;
 
 /// A run that was finished.
 pub struct Sample {
@@ -207,7 +207,7 @@ impl<'p> Outcome<'p> {
     }
 }
 
-/// A number of a summary as it stands there.
+/// The text of a number of a summary.
 fn plain(value: &Value) -> String {
     if value.is_null() { String::new() } else { value.to_string() }
 }

@@ -1,4 +1,4 @@
-//! The options of `hpf imitate`, read.
+//! The arguments of `hpf imitate`.
 
 use std::path::PathBuf;
 
@@ -240,7 +240,7 @@ impl Options {
 
     /// The task to make, called `name`.
     pub fn outline(&self, name: String) -> Outline {
-        // A value left out lies within the bounds; one given outside them is told.
+        // A value left out lies within the bounds; one given outside them is reported.
         let gain = |initial: Option<f64>, paper: f64, min: f64, max: f64| {
             [initial.unwrap_or_else(|| paper.min(max).max(min)), min, max]
         };

@@ -1,19 +1,16 @@
 //! What is learned for the comparison: the shipped tasks and some variants, each with every seed.
 
-use std::sync::Mutex;
-
+use hpf::failure::{Failure, in_text};
+use hpf::files::LoadedTask;
+use hpf::overrides;
+use hpf::statistics::Spread;
+use hpf::trial::{Broken, Prepared, Trial};
 use hpf_sim::cost::Term;
 use hpf_sim::environment::{Cantilever, Contact};
 use hpf_sim::task::Task;
 use hpf_sim::{Policy, Simulation};
 
-use crate::progress::{OnTerminal, Tally};
-use crate::side_by_side::side_by_side;
-use hpf::failure::Failure;
-use hpf::files::LoadedTask;
-use hpf::statistics::Spread;
-use hpf::trial::{self, Broken, Prepared, Trial};
-use hpf::{overrides, report};
+use crate::many::{StudyWatch, learn_each};
 
 const VIA_POINT: &str = include_str!("../../shipped/tasks/via_point.toml");
 const CANTILEVER: &str = include_str!("../../shipped/tasks/cantilever.toml");
@@ -83,7 +80,7 @@ impl Variant {
 /// A task of the program itself, with changes.
 fn embedded((name, text): (&str, &str), changes: &[String]) -> Result<LoadedTask, Failure> {
     let text = overrides::apply(text, changes)?;
-    let task = Task::parse(&text).map_err(report::in_text(name))?;
+    let task = Task::parse(&text).map_err(in_text(name))?;
     Ok(LoadedTask { task, text, notes: Vec::new() })
 }
 
@@ -99,8 +96,8 @@ impl Study {
     /// Learns all of it.
     ///
     /// # Errors
-    /// [`Failure::Work`] where a run fails; `None` after Ctrl-C.
-    pub fn learn(seeds: Vec<u64>, quiet: bool) -> Result<Option<Self>, Failure> {
+    /// [`Failure::Work`] where a run fails; `None` where `watch` asked to end.
+    pub fn learn(seeds: Vec<u64>, watch: &dyn StudyWatch) -> Result<Option<Self>, Failure> {
         let mut jobs = Vec::new();
         for variant in Variant::ALL {
             for seed in &seeds {
@@ -110,22 +107,14 @@ impl Study {
                 jobs.push(Prepared::own(embedded(variant.task(), &changes)?)?);
             }
         }
-        let results: Vec<Mutex<Option<Result<Trial, Broken>>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
-        let tally = Mutex::new(Tally::new("reproduce", jobs.len(), 0, quiet));
-        side_by_side(jobs.len(), |index| {
-            let trial = trial::learn(&jobs[index].loaded, &OnTerminal::new(true));
-            tally.lock().expect("no worker panics").count(&jobs[index].loaded.task.name, None);
-            *results[index].lock().expect("no worker panics") = Some(trial);
-        })?;
-        tally.into_inner().expect("no worker panics").finish();
-
+        let results = learn_each("reproduce", &jobs, watch)?;
         let mut trials: Vec<Vec<(Prepared, Trial)>> = Variant::ALL.iter().map(|_| Vec::new()).collect();
         for (index, (job, result)) in jobs.into_iter().zip(results).enumerate() {
             let variant = index / seeds.len();
-            match result.into_inner().expect("no worker panics") {
-                Some(Ok(trial)) => trials[variant].push((job, trial)),
-                None | Some(Err(Broken::Interrupted)) => return Ok(None),
-                Some(Err(Broken::Failed(why))) => {
+            match result {
+                Ok(trial) => trials[variant].push((job, trial)),
+                Err(Broken::Interrupted) => return Ok(None),
+                Err(Broken::Failed(why)) => {
                     let (name, seed) = (Variant::ALL[variant].name(), seeds[index % seeds.len()]);
                     return Err(Failure::Work(format!("{name} with seed {seed} failed: {why}")));
                 }

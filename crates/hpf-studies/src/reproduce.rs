@@ -6,13 +6,15 @@
 mod claims;
 mod decisions;
 mod figures;
+mod folder;
 mod page;
 mod study;
 mod variants;
 mod words;
 
-pub use self::claims::{Claim, claims};
-pub use self::figures::{of_first_seed, over_seeds};
+pub use self::claims::{Claim, Number, claims};
+pub use self::folder::{refuse_occupied, write};
 pub use self::page::{difference, json, markdown, placed};
 pub use self::study::{Study, Variant};
 pub use self::variants::variants;
+pub use self::words::Worst;

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use super::study::Study;
+use super::study::{Result, Study};
 use hpf::figure::{Drawing, Group, Member, short, sweep_cost};
 use hpf::statistics::Spread;
 
@@ -101,7 +101,7 @@ pub fn json(study: &Study, seconds: f64) -> Value {
 
 /// A figure for each task: the cost over the motions made, by method.
 pub fn figures(study: &Study) -> Vec<Drawing<'_>> {
-    let drawing = |results: &'_ [super::study::Result]| {
+    let drawing = |results: &'_ [Result]| {
         let member = |trial: &hpf::trial::Trial| Member {
             costs: trial.run.learning.iter().map(|row| (row.rollouts as f64, row.total)).collect(),
             measures: Vec::new(),
