@@ -57,6 +57,7 @@ impl Prepared {
 }
 
 /// Why a trial has no results.
+#[derive(Debug)]
 pub enum Broken {
     /// The watch asked to end.
     Interrupted,
