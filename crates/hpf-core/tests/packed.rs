@@ -211,10 +211,11 @@ fn parts_that_no_packed_skill_can_have_are_refused_before_a_byte_is_written() {
         law: axis.law,
     };
     let (five, six, huge) = (basis(5), basis(6), basis(70_000));
-    let uneven = Contents { phase: skill.phase(), bases: [&five, &six, &five], axes: &[axis.clone()], rotary: 0 };
+    let uneven =
+        Contents { phase: skill.phase(), bases: [&five, &six, &five], axes: core::slice::from_ref(&axis), rotary: 0 };
     let refused = ConfigError::LengthMismatch { field: "stiffness.weights", found: 5, expected: 6 };
     assert_eq!(uneven.pack(&mut out), Err(PackedError::Config(refused)));
-    let large = Contents { bases: [&huge, &five, &five], axes: &[axis], ..uneven };
+    let large = Contents { bases: [&huge, &five, &five], axes: core::slice::from_ref(&axis), ..uneven };
     assert_eq!(large.pack(&mut out), Err(PackedError::Functions { found: 70_000, expected: 65_535 }));
     assert_eq!(out, [7; 9]);
 }

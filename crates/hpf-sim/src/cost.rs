@@ -26,7 +26,7 @@ use crate::task::{PerAxis, REST_VELOCITY_TIME, Task, ViaPoint};
 use crate::trace::Trace;
 pub(crate) use approach::Approach;
 use meter::AxisPrices;
-pub(crate) use meter::{CostAccumulator, Priced};
+pub(crate) use meter::CostAccumulator;
 
 /// A term of the cost; its name is its key in the task file, and its column in every table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -24,13 +24,12 @@ mod planned;
 mod plant;
 mod profiles;
 mod recorded;
-mod roll;
 mod scenario;
 mod table;
 mod tool;
 
-use hpf_core::ConfigError;
 use hpf_core::admittance::Inertial;
+use hpf_core::{ConfigError, Lanes, Real as _};
 use hpf_learn::instructions::Instructions;
 use hpf_learn::{Block, Cost, Parameters, SignalModel};
 
@@ -38,16 +37,19 @@ use crate::cost::{CostModel, Term};
 use crate::policy::Policy;
 use crate::task::{MAX_NUMBERS, Task};
 use crate::trace::{AxisTrace, ContactTrace, Trace};
-use motion::Reference;
+use inertial::{FreeInertial, TouchingInertial};
+use measured::Measured;
+use motion::{Reference, Tool, roll};
 use plant::Robot;
-use profiles::Tables;
+use profiles::{Profiles, Tables};
 pub use scenario::disturbances;
-use scenario::{Scenario, Set};
+use scenario::{AxisScenario, Scenario, Set};
 use table::Table;
-use tool::ContactModel;
+use tool::{ContactModel, Free, Touching};
 
 pub(crate) use batch::LANES;
 pub use batch::Workspace;
+pub(crate) use motion::{Sample, Sink};
 pub(crate) use planned::Planned;
 
 /// Why a skill cannot be simulated in a task.
@@ -313,11 +315,82 @@ impl Simulation {
 
     /// Writes the motion of the skill in `scenario` into `trace`.
     fn rollout_in(&self, scenario: &Scenario, parameters: Parameters<'_>, trace: &mut Trace) {
-        self.rollout_over(self.drive.len(), scenario, parameters, trace);
+        for (a, (model, axis)) in self.axes.iter().zip(&mut trace.axes).enumerate() {
+            let contact = trace.contact.as_mut().filter(|contact| contact.axis == a);
+            let profiles = self.rowwise(model, parameters);
+            self.roll_axis(a, self.drive.len(), &model.alone, &profiles, &scenario.axes[a], Recorder { axis, contact });
+        }
     }
 
     /// Number of parameters of all axes.
     fn parameter_count(&self) -> usize {
         self.axes.last().map_or(0, |axis| axis.parameters[4])
+    }
+
+    /// The motion of axis `a` over `steps`, each sample handed to `sink`.
+    #[inline(always)]
+    fn roll_axis<const N: usize>(
+        &self,
+        a: usize,
+        steps: usize,
+        reference: &Reference<N>,
+        profiles: &impl Profiles<N>,
+        scenario: &AxisScenario,
+        sink: impl Sink<N>,
+    ) {
+        let (dt, drive, forces) = (self.dt, &self.drive[..steps], &scenario.forces);
+        let contact = self.contact.as_ref().filter(|contact| contact.axis == a);
+        if let Some(robot) = self.robot {
+            let tool = Measured::new(dt, robot, scenario, contact, reference.inertial, reference.start());
+            return roll_rarely(reference, drive, profiles, tool, sink);
+        }
+        match (contact, reference.inertial, self.axes[a].inertial) {
+            (Some(contact), _, Some(law)) => {
+                let held = [self.axes[a].largest_stiffness, reference.start().to_f64()];
+                let tool = TouchingInertial::new(dt, forces, contact, law, held);
+                roll_rarely(reference, drive, profiles, tool, sink);
+            }
+            (Some(contact), ..) => roll(reference, drive, profiles, Touching::new(dt, forces, contact), sink),
+            (None, Some(law), _) => roll(reference, drive, profiles, FreeInertial::new(dt, forces, law), sink),
+            (None, None, _) => roll(reference, drive, profiles, Free::new(dt, forces), sink),
+        }
+    }
+}
+
+/// [`roll`] for tools that gain nothing from vector registers, compiled once.
+#[inline(never)]
+fn roll_rarely<const N: usize>(
+    reference: &Reference<N>,
+    drive: &[f64],
+    profiles: &impl Profiles<N>,
+    tool: impl Tool<N>,
+    sink: impl Sink<N>,
+) {
+    roll(reference, drive, profiles, tool, sink);
+}
+
+/// Writes the samples of one axis into its trace.
+struct Recorder<'a> {
+    axis: &'a mut AxisTrace,
+    contact: Option<&'a mut ContactTrace>,
+}
+
+impl Sink<1> for Recorder<'_> {
+    fn take(&mut self, i: usize, sample: &Sample<1>) {
+        let axis = &mut *self.axis;
+        for (signal, Lanes([value])) in [
+            (&mut axis.reference_position, sample.reference_position),
+            (&mut axis.reference_velocity, sample.reference_velocity),
+            (&mut axis.position, sample.position),
+            (&mut axis.velocity, sample.velocity),
+            (&mut axis.force, sample.force),
+            (&mut axis.stiffness, sample.stiffness),
+            (&mut axis.damping, sample.damping),
+        ] {
+            signal[i] = value;
+        }
+        if let (Some(contact), Some([deviation, force])) = (&mut self.contact, sample.contact) {
+            [contact.deviation[i], contact.force[i]] = [deviation.0[0], force.0[0]];
+        }
     }
 }

@@ -4,6 +4,7 @@ use hpf_core::{Lanes, Real};
 use hpf_learn::Cost;
 
 use super::{Approach, CostModel, Term};
+use crate::simulation::{Sample, Sink};
 use crate::task::{REST_VELOCITY_TIME, Task};
 use crate::trace::Trace;
 
@@ -31,20 +32,6 @@ pub(super) struct AxisPrices {
     tracking: f64,
     contact_force: f64,
     set_point: f64,
-}
-
-/// What costs are taken of, of one axis at one sample, in the units of [`crate::AxisTrace`] and [`crate::ContactTrace`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Priced<const N: usize> {
-    pub(crate) position: Lanes<N>,
-    pub(crate) velocity: Lanes<N>,
-    pub(crate) stiffness: Lanes<N>,
-    pub(crate) damping: Lanes<N>,
-}
-
-impl<const N: usize> Priced<N> {
-    pub(crate) const ZERO: Self =
-        Self { position: Lanes::ZERO, velocity: Lanes::ZERO, stiffness: Lanes::ZERO, damping: Lanes::ZERO };
 }
 
 /// A via point among the samples.
@@ -178,13 +165,16 @@ impl CostModel {
                 let lane = |signal: &[f64]| Lanes([signal[i]]);
                 meter.take(
                     i,
-                    &Priced {
+                    &Sample {
+                        reference_position: lane(&axis.reference_position),
+                        reference_velocity: lane(&axis.reference_velocity),
                         position: lane(&axis.position),
                         velocity: lane(&axis.velocity),
+                        force: lane(&axis.force),
                         stiffness: lane(&axis.stiffness),
                         damping: lane(&axis.damping),
+                        contact: contact.map(|contact| [lane(&contact.deviation), lane(&contact.force)]),
                     },
-                    contact.map(|contact| [lane(&contact.deviation), lane(&contact.force)]),
                 );
             }
         }
@@ -229,7 +219,7 @@ impl<const N: usize> Meter<'_, '_, N> {
 
     /// What sample `i` of the rest time costs.
     #[inline(always)]
-    fn charge_rest(&mut self, i: usize, sample: &Priced<N>) {
+    fn charge_rest(&mut self, i: usize, sample: &Sample<N>) {
         let prices = self.prices;
         let error = sample.position - Lanes::of(prices.goal);
         let (position, velocity) = (error * error, sample.velocity * sample.velocity);
@@ -253,11 +243,11 @@ impl<const N: usize> Meter<'_, '_, N> {
             self.via = rest;
         }
     }
+}
 
-    /// Takes sample `i`, with deviation and contact force of an axis that touches something; samples come in the order of
-    /// time.
+impl<const N: usize> Sink<N> for Meter<'_, '_, N> {
     #[inline(always)]
-    pub(crate) fn take(&mut self, i: usize, sample: &Priced<N>, contact: Option<[Lanes<N>; 2]>) {
+    fn take(&mut self, i: usize, sample: &Sample<N>) {
         let steps = self.prices.steps;
         if i >= steps && self.prices.rest > 0.0 {
             self.charge_rest(i - steps, sample);
@@ -265,7 +255,7 @@ impl<const N: usize> Meter<'_, '_, N> {
         if i > steps {
             return;
         }
-        let [deviation, force_error] = match contact {
+        let [deviation, force_error] = match sample.contact {
             Some([deviation, force]) => [deviation, force - Lanes::of(self.prices.set_point)],
             None => [Lanes::ZERO; 2],
         };

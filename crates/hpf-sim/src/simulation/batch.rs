@@ -5,10 +5,9 @@ use hpf_learn::instructions::NullaryFnOnce;
 use hpf_learn::{Cost, Draws, Parameters};
 
 use super::Simulation;
-use super::motion::{Sample, Sink};
 use super::profiles::{Constant, Rowwise};
 use super::scenario::Scenario;
-use crate::cost::{CostAccumulator, Priced};
+use crate::cost::CostAccumulator;
 use crate::trace::Trace;
 
 /// Rollouts that step together: one register of AVX-512, two of AVX2, four of SSE2 or NEON.
@@ -26,10 +25,6 @@ pub struct Workspace {
     pub(super) signals: Vec<Vec<f64>>,
     /// One entry per parameter.
     weights: Vec<Lanes<LANES>>,
-    /// What costs are taken of, axis by axis, one entry per sample.
-    record: Vec<Priced<LANES>>,
-    /// Deviation and contact force of the axis that touches something, one entry per sample.
-    contact: Vec<[Lanes<LANES>; 2]>,
     /// One entry per step.
     running: Vec<[f64; LANES]>,
 }
@@ -57,12 +52,10 @@ impl Simulation {
             if parameters.iter().all(is_constant) {
                 self.roll_together(scenario, parameters, workspace, costs);
             } else {
-                // What is not priced is not made.
-                let trace = workspace.trace.get_or_insert_with(|| self.blank_trace());
-                for (&parameters, cost) in parameters.iter().zip(costs) {
-                    self.rollout_over(self.priced_steps, scenario, parameters, trace);
-                    self.cost_into(trace, cost);
-                }
+                parameters
+                    .iter()
+                    .zip(costs)
+                    .for_each(|(&parameters, cost)| self.roll_alone(scenario, parameters, cost));
             }
         }
     }
@@ -75,7 +68,7 @@ impl Simulation {
         workspace: &mut Workspace,
         costs: &mut [Cost],
     ) {
-        let Workspace { weights, record, contact, running, .. } = workspace;
+        let Workspace { weights, running, .. } = workspace;
         weights.resize(self.parameter_count(), Lanes::ZERO);
         // Idle lanes repeat the first rollout: numbers as ordinary as its own.
         for lane in 0..LANES {
@@ -84,16 +77,33 @@ impl Simulation {
         }
         running.clear();
         running.resize(self.step_count(), [0.0; LANES]);
-        let samples = self.priced_steps + 1;
-        record.resize(self.axes.len() * samples, Priced::ZERO);
-        contact.resize(self.contact.as_ref().map_or(0, |_| samples), [Lanes::ZERO; 2]);
         let mut accumulator = CostAccumulator::new(running);
-        let record = Record { samples, record, contact };
-        let batch = LaneBatch { simulation: self, scenario, weights, record, accumulator: &mut accumulator };
-        self.instructions.run(batch);
+        self.instructions.run(LaneBatch { simulation: self, scenario, weights, accumulator: &mut accumulator });
         for (lane, cost) in costs.iter_mut().enumerate() {
             accumulator.write(lane, cost);
         }
+    }
+
+    /// One rollout whose parameters may change with every step.
+    fn roll_alone(&self, scenario: &Scenario, parameters: Parameters<'_>, cost: &mut Cost) {
+        cost.running.clear();
+        cost.running.resize(self.step_count(), 0.0);
+        let mut accumulator = CostAccumulator::new(cost.running.as_chunks_mut::<1>().0);
+        for (a, axis) in self.axes.iter().enumerate() {
+            let profiles = self.rowwise(axis, parameters);
+            self.roll_axis(
+                a,
+                self.priced_steps,
+                &axis.alone,
+                &profiles,
+                &scenario.axes[a],
+                self.cost.meter(a, &mut accumulator),
+            );
+        }
+        let (terms, terminal) = accumulator.sums(0);
+        cost.terminal = terminal;
+        cost.terms.clear();
+        cost.terms.extend(terms);
     }
 
     pub(super) fn rowwise<'a>(&'a self, axis: &super::AxisModel, parameters: Parameters<'a>) -> Rowwise<'a> {
@@ -106,7 +116,6 @@ struct LaneBatch<'a, 'b> {
     simulation: &'a Simulation,
     scenario: &'a Scenario,
     weights: &'a [Lanes<LANES>],
-    record: Record<'a>,
     accumulator: &'a mut CostAccumulator<'b, LANES>,
 }
 
@@ -115,54 +124,18 @@ impl NullaryFnOnce for LaneBatch<'_, '_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { simulation, scenario, weights, mut record, accumulator } = self;
-        simulation.roll(
-            simulation.priced_steps,
-            scenario,
-            |axis| {
-                let [start, movement_end, stiffness_end, damping_end, end] = axis.parameters;
-                let profiles = Constant {
-                    tables: &simulation.tables,
-                    movement: &weights[start..movement_end],
-                    stiffness: &weights[movement_end..stiffness_end],
-                    damping: &weights[stiffness_end..damping_end],
-                    goal: &weights[damping_end..end],
-                };
-                (&axis.lanes, profiles)
-            },
-            &mut record,
-        );
-        // Axis after axis: the order in which costs are added up.
-        let Record { samples, record, contact } = record;
-        let touching = simulation.contact.as_ref().map(|contact| contact.axis);
-        for (a, record) in record.chunks_exact(samples).enumerate() {
-            let mut meter = simulation.cost.meter(a, accumulator);
-            if touching == Some(a) {
-                let samples = record.iter().zip(&*contact).enumerate();
-                samples.for_each(|(i, (sample, contact))| meter.take(i, sample, Some(*contact)));
-            } else {
-                record.iter().enumerate().for_each(|(i, sample)| meter.take(i, sample, None));
-            }
-        }
-    }
-}
-
-/// Keeps what costs are taken of.
-struct Record<'a> {
-    /// Of each axis.
-    samples: usize,
-    record: &'a mut [Priced<LANES>],
-    /// Of the axis that touches something.
-    contact: &'a mut [[Lanes<LANES>; 2]],
-}
-
-impl Sink<LANES> for &mut Record<'_> {
-    #[inline(always)]
-    fn take(&mut self, a: usize, i: usize, sample: &Sample<LANES>) {
-        let Sample { position, velocity, stiffness, damping, contact, .. } = *sample;
-        self.record[a * self.samples + i] = Priced { position, velocity, stiffness, damping };
-        if let Some(contact) = contact {
-            self.contact[i] = contact;
+        let Self { simulation, scenario, weights, accumulator } = self;
+        for (a, axis) in simulation.axes.iter().enumerate() {
+            let [start, movement_end, stiffness_end, damping_end, end] = axis.parameters;
+            let profiles = Constant {
+                tables: &simulation.tables,
+                movement: &weights[start..movement_end],
+                stiffness: &weights[movement_end..stiffness_end],
+                damping: &weights[stiffness_end..damping_end],
+                goal: &weights[damping_end..end],
+            };
+            let (steps, meter) = (simulation.priced_steps, simulation.cost.meter(a, accumulator));
+            simulation.roll_axis(a, steps, &axis.lanes, &profiles, &scenario.axes[a], meter);
         }
     }
 }

@@ -1,9 +1,10 @@
-//! The motion of one axis of several rollouts at once, one per lane, a few steps at a time.
+//! The motion of one axis of several rollouts at once, one per lane.
 
 use hpf_core::admittance::Inertial;
 use hpf_core::{ConfigError, Lanes, MovementState, PlannedReference, Real};
 
 use super::profiles::Profiles;
+use super::table::TILE;
 
 /// What an axis' reference motion follows, in every lane.
 #[derive(Clone, Debug)]
@@ -86,68 +87,43 @@ pub(super) trait Tool<const N: usize> {
     fn advance(&mut self, i: usize, now: &Knot<N>, next: &Knot<N>, middle: [Lanes<N>; 2]);
 }
 
-/// Takes the samples of every axis, each in the order of time.
+/// Takes the samples of an axis in their order.
 pub(crate) trait Sink<const N: usize> {
-    /// Takes sample `i` of axis `a`.
-    fn take(&mut self, a: usize, i: usize, sample: &Sample<N>);
+    /// Takes sample `i`.
+    fn take(&mut self, i: usize, sample: &Sample<N>);
 }
 
-/// The reference and the gains of one axis on their way.
-pub(super) struct Motion<'a, P, const N: usize> {
-    movement: &'a PlannedReference<Lanes<N>>,
-    profiles: P,
-    now: Knot<N>,
-}
-
-impl<'a, P: Profiles<N>, const N: usize> Motion<'a, P, N> {
-    /// At the start.
-    #[inline(always)]
-    pub(super) fn new(reference: &'a Reference<N>, profiles: P) -> Self {
-        let movement = &reference.movement;
-        let [stiffness, damping] = profiles.start();
-        let now = knot(movement, movement.initial_state(), stiffness, damping);
-        Self { movement, profiles, now }
-    }
-
-    /// Moves it with its tool for a step per entry of `drive`, at most [`TILE`](super::table::TILE), the gate of its forcing term at mid-steps
-    /// from step `first` on; hands over the sample that each step starts at.
-    #[inline(always)]
-    pub(super) fn advance(
-        &mut self,
-        first: usize,
-        drive: &[f64],
-        tool: &mut impl Tool<N>,
-        mut take: impl FnMut(usize, &Sample<N>),
-    ) {
-        let Self { movement, profiles, .. } = self;
-        let mut now = self.now;
+/// Moves one axis for a step per entry of `drive`, the gate of its forcing term at mid-steps.
+#[inline(always)]
+pub(super) fn roll<const N: usize>(
+    reference: &Reference<N>,
+    drive: &[f64],
+    profiles: &impl Profiles<N>,
+    mut tool: impl Tool<N>,
+    mut sink: impl Sink<N>,
+) {
+    let movement = reference.movement;
+    let knot = |state: MovementState<Lanes<N>>, stiffness, damping| Knot {
+        state,
+        reference_velocity: movement.velocity(&state),
+        stiffness,
+        damping,
+    };
+    let [stiffness, damping] = profiles.start();
+    let mut now = knot(movement.initial_state(), stiffness, damping);
+    for (tile_index, drives) in drive.chunks(TILE).enumerate() {
+        let first = tile_index * TILE;
         let tile = profiles.tile(first);
-        for (j, &driven) in drive.iter().enumerate() {
-            take(first + j, &tool.sample(first + j, &now));
+        for (j, &driven) in drives.iter().enumerate() {
+            sink.take(first + j, &tool.sample(first + j, &now));
             let mut state = now.state;
             let goal = profiles.goal(first + j).unwrap_or(movement.goal());
             movement.step(&mut state, goal, Lanes::of(driven), tile.movement[j]);
             let ([middle_stiffness, stiffness], [middle_damping, damping]) = (tile.stiffness[j], tile.damping[j]);
-            let next = knot(movement, state, stiffness, damping);
+            let next = knot(state, stiffness, damping);
             tool.advance(first + j, &now, &next, [middle_stiffness, middle_damping]);
             now = next;
         }
-        self.now = now;
     }
-
-    /// Sample `i`, where it is now.
-    #[inline(always)]
-    pub(super) fn sample(&self, i: usize, tool: &impl Tool<N>) -> Sample<N> {
-        tool.sample(i, &self.now)
-    }
-}
-
-#[inline(always)]
-fn knot<const N: usize>(
-    movement: &PlannedReference<Lanes<N>>,
-    state: MovementState<Lanes<N>>,
-    stiffness: Lanes<N>,
-    damping: Lanes<N>,
-) -> Knot<N> {
-    Knot { state, reference_velocity: movement.velocity(&state), stiffness, damping }
+    sink.take(drive.len(), &tool.sample(drive.len(), &now));
 }

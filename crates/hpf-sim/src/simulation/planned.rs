@@ -4,8 +4,7 @@ use hpf_core::{Lanes, Real as _};
 use hpf_learn::Parameters;
 
 use super::Simulation;
-use super::motion::{Knot, Motion, Sample, Tool};
-use super::table::TILE;
+use super::motion::{Knot, Sample, Sink, Tool, roll};
 
 /// Reference and gains of one axis over a motion.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +38,16 @@ impl Tool<1> for Still<'_> {
 
     fn advance(&mut self, _: usize, _: &Knot<1>, _: &Knot<1>, [stiffness, damping]: [Lanes<1>; 2]) {
         self.0.push([stiffness.to_f64(), damping.to_f64()]);
+    }
+}
+
+/// Notes what samples say of the plan.
+struct Noting<'a>(&'a mut Vec<[f64; 4]>);
+
+impl Sink<1> for Noting<'_> {
+    fn take(&mut self, _: usize, sample: &Sample<1>) {
+        let Sample { reference_position, reference_velocity, stiffness, damping, .. } = *sample;
+        self.0.push([reference_position, reference_velocity, stiffness, damping].map(|lanes| lanes.to_f64()));
     }
 }
 
@@ -148,15 +157,7 @@ impl Simulation {
         all[start..end].copy_from_slice(weights);
         let profiles = self.rowwise(model, Parameters::Constant(&all));
         let (mut middle, mut samples) = (Vec::new(), Vec::new());
-        let mut note = |sample: &Sample<1>| {
-            let Sample { reference_position, reference_velocity, stiffness, damping, .. } = *sample;
-            samples.push([reference_position, reference_velocity, stiffness, damping].map(|lanes| lanes.to_f64()));
-        };
-        let (mut motion, mut tool) = (Motion::new(&model.alone, profiles), Still(&mut middle));
-        for (tile, drive) in self.drive[..self.priced_steps].chunks(TILE).enumerate() {
-            motion.advance(tile * TILE, drive, &mut tool, |_, sample| note(sample));
-        }
-        note(&motion.sample(self.priced_steps, &tool));
+        roll(&model.alone, &self.drive[..self.priced_steps], &profiles, Still(&mut middle), Noting(&mut samples));
         let mut planned = Planned::default();
         for (i, [position, velocity, stiffness, damping]) in samples.into_iter().enumerate() {
             planned.position.push(position);

@@ -11,7 +11,6 @@
 //! parameters squared         P P    of Gauss-Newton: curvature, doubt, price; of CMA-ES: covariance, its parts
 //! draws                      4 A R  for every draw: forces, readings
 //! evaluations                8 S    for each thread: costs of those made at a time
-//! motions                    8 (4 A + 2) R   for each thread: what costs are taken of, of those made at a time
 //! ```
 //! The learner keeps steps, and rollouts, in packs of 8 numbers: where there are fewer, it needs as much as for 8.
 
@@ -28,9 +27,6 @@ const PACK: f64 = 8.0;
 const SIGNALS: f64 = 7.0;
 /// Numbers that one axis meets in a step: forces at both its ends, the error of a reading, whether it is lost.
 const MET: f64 = 4.0;
-/// Numbers of an axis, and of its contact, that costs are taken of at a sample.
-const PRICED: f64 = 4.0;
-const PRICED_CONTACT: f64 = 2.0;
 /// Signals that the cost of a step stands for, where there are no others.
 const SQUARES: f64 = 4.0;
 /// Trajectories at work at once beside those kept: a blank one, two of evaluations, and a table being written as text.
@@ -61,9 +57,7 @@ impl Task {
         let met = MET * self.axis.len() as f64 * all_steps * self.draws() as f64;
         let working = (WORKING + PER_THREAD * threads as f64) * trajectory + threads as f64 * met;
         let evaluations = PACK * threads as f64 * self.step_numbers();
-        let priced = PRICED * self.axis.len() as f64 + PRICED_CONTACT;
-        let motions = PACK * threads as f64 * priced * (all_steps + 1.0);
-        PROGRAM + size_of::<f64>() as f64 * (tables + working + evaluations + motions)
+        PROGRAM + size_of::<f64>() as f64 * (tables + working + evaluations)
     }
 
     /// Steps as a number that cannot overflow.
