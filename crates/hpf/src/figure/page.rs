@@ -198,6 +198,9 @@ impl Page {
 
     /// Lays `colour` thinly over what `points` enclose.
     pub fn cover(&mut self, points: &[Point], colour: Colour, opacity: f64) {
+        if points.is_empty() {
+            return;
+        }
         let paint = format!("fill=\"{colour}\" fill-opacity=\"{}\"", number(opacity));
         let _ = writeln!(self.body, "<path d=\"{}Z\" {paint}/>", outline(points));
     }
