@@ -3,7 +3,7 @@
 use super::axis::Tick;
 use super::chart::{Figure, Layer, Mark, Panel, Point, Shape};
 use super::layout::{CAPITAL, FOOT, LABEL, Layout, MARGIN, SMALL, TICK_GAP, TICK_LENGTH, TITLE};
-use super::page::{Anchor, Area, Format, Page};
+use super::page::{Anchor, Area, Format, Page, is_place};
 use super::palette::{BLACK, FRAME, GRID, Pen, QUIET, WHITE};
 use super::{ends, legend, text};
 
@@ -83,13 +83,12 @@ fn draw_panel(page: &mut Page, panel: &Panel, area: Area, y_ticks: &[Tick], x_ti
             page.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
         }
     }
-    page.inside(area, |page| {
-        layers(page, |shape| matches!(shape, Shape::Between(_)));
-        layers(page, |shape| matches!(shape, Shape::Line(_)));
-    });
+    layers(page, |shape| matches!(shape, Shape::Between(_)));
+    layers(page, |shape| matches!(shape, Shape::Line(_)));
     let (right, bottom) = (area.right(), area.bottom());
-    let frame = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom), (area.left, area.top)];
-    page.stroke(&frame, Pen::thin(FRAME));
+    let corners = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom)];
+    // Once round and on, so that every corner is joined.
+    page.stroke(&corners.into_iter().cycle().take(6).collect::<Vec<_>>(), Pen::thin(FRAME));
     // A goal at the end of the time stands on the frame.
     layers(page, |shape| matches!(shape, Shape::Marks(..)));
 
@@ -112,10 +111,20 @@ fn draw_panel(page: &mut Page, panel: &Panel, area: Area, y_ticks: &[Tick], x_ti
 
 fn draw_layer(page: &mut Page, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
     match &layer.shape {
-        Shape::Line(points) => page.stroke(&thinned(points.iter().map(map)), layer.pen),
+        Shape::Line(points) => {
+            for part in inside(points.iter().map(map), area) {
+                page.stroke(&thinned(part.into_iter()), layer.pen);
+            }
+        }
         Shape::Between(curves) => {
-            let above = curves.iter().map(|(x, _, high)| map(&(*x, *high)));
-            let below = curves.iter().rev().map(|(x, low, _)| map(&(*x, *low)));
+            let place = |x: f64, y: f64| {
+                let (x, y) = map(&(x, y));
+                (x.max(area.left).min(area.right()), y.max(area.top).min(area.bottom()))
+            };
+            let is_known = |(x, low, high): &&(f64, f64, f64)| [x, low, high].iter().all(|value| !value.is_nan());
+            let curves: Vec<_> = curves.iter().filter(is_known).collect();
+            let above = curves.iter().map(|(x, _, high)| place(*x, *high));
+            let below = curves.iter().rev().map(|(x, low, _)| place(*x, *low));
             page.cover(&above.chain(below).collect::<Vec<_>>(), layer.pen.colour, BAND_OPACITY);
         }
         Shape::Marks(mark, points) => {
@@ -158,6 +167,41 @@ pub fn draw_mark(page: &mut Page, mark: Mark, place: Point, pen: Pen) {
             dot(page, 14.0, WHITE);
         }
     }
+}
+
+/// The parts of a line that lie in `area`; it breaks where a point is nowhere.
+fn inside(points: impl Iterator<Item = Point>, area: Area) -> Vec<Vec<Point>> {
+    let points: Vec<Point> = points.collect();
+    let mut parts: Vec<Vec<Point>> = Vec::new();
+    for piece in points.split(|point| !is_place(point)) {
+        if let [only] = *piece {
+            parts.extend(clipped(only, only, area).map(|_| vec![only]));
+        }
+        for (from, to) in piece.windows(2).filter_map(|pair| clipped(pair[0], pair[1], area)) {
+            match parts.last_mut() {
+                Some(part) if part.last() == Some(&from) => part.push(to),
+                _ => parts.push(vec![from, to]),
+            }
+        }
+    }
+    parts
+}
+
+/// The part of a straight line that lies in `area` (Liang and Barsky, 1984).
+fn clipped(from: Point, to: Point, area: Area) -> Option<(Point, Point)> {
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    let ways = [(from.0, to.0, area.left, area.right()), (from.1, to.1, area.top, area.bottom())];
+    for (start, end, low, high) in ways {
+        if start == end && !(low..=high).contains(&start) {
+            return None;
+        } else if start != end {
+            let [first, second] = [low, high].map(|edge| (edge - start) / (end - start));
+            enter = enter.max(first.min(second));
+            leave = leave.min(first.max(second));
+        }
+    }
+    let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+    (enter <= leave).then(|| (if enter > 0.0 { at(enter) } else { from }, if leave < 1.0 { at(leave) } else { to }))
 }
 
 /// The same line in at most six points per column of pixels: first, last, and the outermost of each side.
@@ -203,5 +247,21 @@ mod tests {
         assert!(thinned(turn.iter().copied()).contains(&(0.0, 0.0)), "a turn within a column stays round");
         let sparse: Vec<Point> = (0..10).map(|i| (f64::from(i) * 3.0, 1.0)).collect();
         assert_eq!(thinned(sparse.iter().copied()), sparse);
+    }
+    #[test]
+    fn of_a_line_only_what_lies_in_the_panel_is_drawn() {
+        let area = Area { left: 0.0, top: 0.0, width: 10.0, height: 10.0 };
+        let parts = |points: &[Point]| inside(points.iter().copied(), area);
+        assert_eq!(parts(&[(-1e5, 5.0), (1e5, 5.0)]), [[(0.0, 5.0), (10.0, 5.0)]]);
+        assert_eq!(
+            parts(&[(2.0, 5.0), (4.0, 15.0), (6.0, 5.0), (7.0, 5.0)]),
+            [vec![(2.0, 5.0), (3.0, 10.0)], vec![(5.0, 10.0), (6.0, 5.0), (7.0, 5.0)]]
+        );
+        assert_eq!(parts(&[(-5.0, 3.0), (3.0, 13.0)]), [[(0.0, 9.25), (0.6, 10.0)]]);
+        assert_eq!(
+            parts(&[(2.0, -5.0), (12.0, 5.0), (f64::NAN, 5.0), (4.0, 4.0)]),
+            [vec![(7.0, 0.0), (10.0, 3.0)], vec![(4.0, 4.0)]]
+        );
+        assert!(parts(&[(-5.0, 8.0), (3.0, 16.0), (f64::NAN, 0.0), (11.0, 4.0)]).is_empty());
     }
 }

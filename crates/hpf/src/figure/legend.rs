@@ -44,10 +44,7 @@ pub fn column(count: usize, corner: Point) -> Vec<Point> {
 pub fn entry(page: &mut Page, layer: &Layer, place: Point) {
     let (x, y) = place;
     match &layer.shape {
-        Shape::Line(_) => {
-            let end = 0.5 * layer.pen.width;
-            page.stroke(&[(x + end, y.round()), (x + SAMPLE - end, y.round())], layer.pen);
-        }
+        Shape::Line(_) => page.stroke(&[(x, y.round()), (x + SAMPLE, y.round())], layer.pen),
         Shape::Marks(mark, _) => draw_mark(page, *mark, (x + 0.5 * SAMPLE, y), layer.pen),
         Shape::Block(..) | Shape::Between(_) => {
             page.fill(Area { left: x, top: y - 14.0, width: SAMPLE, height: 28.0 }, GREY);
