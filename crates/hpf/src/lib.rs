@@ -13,6 +13,7 @@ pub mod job;
 pub mod learning;
 pub mod log;
 pub mod nodes;
+pub mod outside;
 pub mod overrides;
 pub mod packed;
 pub mod paper;
