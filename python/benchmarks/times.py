@@ -47,8 +47,8 @@ def rollout_us(kind: str) -> float:
     motions told to a session by the same answers without a call in between."""
     text = (TASKS / "reach.toml").read_text()
     learning = {"method": "cma-es", "updates": 200, "rollouts": 20}
-    weights = {"goal": 1.0} if kind == "trace" else None
-    task = hpf.Task.parse(text, disturbance=None, accept=None, cost=weights, rate=150.0, learning=learning)
+    changes = {"disturbance": None, "accept": None, "environment": hpf.CALLABLE, "rate": 150.0, "learning": learning}
+    task = hpf.Task.parse(text, **changes)
     costs, signal = np.full(150, 0.1), np.zeros((151, 1))
     measured = hpf.Trace(signal, signal, signal)
     answer = {"total": 1.0, "costs": costs, "trace": measured}[kind]

@@ -113,6 +113,10 @@ impl Callable {
             Python::attach(|py| {
                 let ident = py.import("threading")?.getattr("get_ident")?.call0()?.extract()?;
                 lock().insert(worker, ident);
+                // Who comes too late for the interrupt does not begin.
+                if is_over.load(Ordering::SeqCst) {
+                    return Err(PyKeyboardInterrupt::new_err(()));
+                }
                 let answer = self.call(py, motion);
                 lock().remove(&worker);
                 answer

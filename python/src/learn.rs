@@ -210,6 +210,9 @@ pub fn learn(
         None if answers.is_some() || batch => {
             return Err(PyTypeError::new_err("answers and batch belong to a rollout of your own"));
         }
+        None if task.is_callables() => {
+            return Err(PyTypeError::new_err("the rollouts of this task are made by a callable: pass rollout"));
+        }
         None => (task, None),
     };
     let threads = if callable.is_some() { 1 } else { workers.unwrap_or(0) };

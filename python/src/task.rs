@@ -13,6 +13,7 @@ use pyo3::types::{PyDict, PyTuple};
 use toml_edit::{DocumentMut, TableLike};
 
 use crate::errors;
+use crate::learn::CALLABLE;
 
 /// What to learn, in which environment, at what price: a task file, read and checked. It never changes;
 /// `replace(**changes)` makes another one.
@@ -115,6 +116,12 @@ impl PyTask {
         let text = overrides::apply(&text, changes)?;
         let folder = self.file.as_deref().and_then(|file| Path::new(file).parent()).unwrap_or(Path::new(""));
         Self::new(reread(text, &self.tables(), folder)?, self.file.clone())
+    }
+
+    /// Whether a callable is to make the rollouts.
+    pub fn is_callables(&self) -> bool {
+        let Some(Environment::Process(process)) = &self.task().environment else { return false };
+        process.command.first().is_some_and(|program| program == CALLABLE)
     }
 
     /// The task in a form of its own: what [`LoadedTask`] is, which is not to be cloned.
@@ -240,10 +247,14 @@ impl PyTask {
         }
     }
 
-    /// Who makes the rollouts: "simulation" or "process".
+    /// Who makes the rollouts: "simulation", "process" or "callable".
     #[getter]
     fn environment(&self) -> &'static str {
-        if self.task().environment.is_some() { "process" } else { "simulation" }
+        match &self.task().environment {
+            None => "simulation",
+            Some(_) if self.is_callables() => "callable",
+            Some(Environment::Process(_)) => "process",
+        }
     }
 
     /// All keys with their values, as the task file has them: dicts, lists, numbers and texts.
@@ -313,12 +324,14 @@ impl PyTask {
     ) -> PyResult<Self> {
         let Changes { set, removed } = Changes::of(py, changes)?;
         let fail = |failure: Failure| errors::of(py, &failure, "TaskError", Some(name));
-        if !removed.is_empty() {
-            // A mistake is told of the file as it is.
-            parse_task(text.clone(), name, folder, &[]).map_err(fail)?;
-        }
-        let text = without(&text, &removed).map_err(fail)?;
-        let loaded = parse_task(text, name, folder, &set).map_err(fail)?;
+        let loaded = if removed.is_empty() {
+            parse_task(text, name, folder, &set)
+        } else {
+            // Only with all changes is it what is meant.
+            let changed = without(&text, &removed).and_then(|text| overrides::apply(&text, &set));
+            changed.and_then(|text| parse_task(text, name, folder, &[]))
+        };
+        let loaded = loaded.map_err(fail)?;
         Self::new(loaded, Some(name.to_owned())).map_err(fail)
     }
 }

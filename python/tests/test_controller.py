@@ -66,7 +66,7 @@ def test_modes_follow_requests(skill: hpf.Policy) -> None:
 
 
 def test_it_gives_way_and_stays_within_its_limits(skill: hpf.Policy) -> None:
-    controller = hpf.Controller(skill, limits=LIMITS, tank={"capacity": 5.0})
+    controller = hpf.Controller(skill, limits=LIMITS)
     controller.start()
     command = controller.command
     ended = False

@@ -80,5 +80,5 @@ def test_a_skill_env_is_an_environment_to_learn_in(task: hpf.Task) -> None:
         return -float(env.step(env.action(policy))[1])
 
     learning = {"method": "pi2", "updates": 5, "rollouts": 6, "noise": {"movement": 3.0}}
-    run = hpf.learn(task.replace(cost=None, accept=None, learning=learning), rollout=rollout)
+    run = hpf.learn(task.replace(cost=None, environment=hpf.CALLABLE, accept=None, learning=learning), rollout=rollout)
     assert run.cost < run.history.total[0]

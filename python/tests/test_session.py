@@ -28,7 +28,7 @@ def test_a_conversation_learns_what_a_callable_learns(free: hpf.Task, method: st
 
 
 def test_a_session_that_is_saved_at_any_moment_goes_on_to_the_same_numbers(free: hpf.Task, tmp_path: Path) -> None:
-    task = free.replace(learning={"method": "pi2"}, cost=None)
+    task = free.replace(learning={"method": "pi2"}, cost=None, environment=hpf.CALLABLE)
     whole = finish(hpf.Session(task, seed=5))
     session = hpf.Session(task, seed=5)
     place = tmp_path / "session"
@@ -55,7 +55,7 @@ def test_a_session_of_a_policy_keeps_where_it_started(free: hpf.Task, tmp_path: 
 
 
 def test_answers_that_are_none_change_nothing(free: hpf.Task) -> None:
-    session = hpf.Session(free.replace(cost=None))
+    session = hpf.Session(free.replace(cost=None, environment=hpf.CALLABLE))
     with pytest.raises(RuntimeError, match=r"ask\(\) comes before"):
         session.tell([1.0])
     batch = session.ask()
@@ -69,7 +69,7 @@ def test_answers_that_are_none_change_nothing(free: hpf.Task) -> None:
 
 
 def test_a_motion_that_failed_is_told_as_such(free: hpf.Task) -> None:
-    session = hpf.Session(free.replace(learning={"method": "pi2"}, cost=None))
+    session = hpf.Session(free.replace(learning={"method": "pi2"}, cost=None, environment=hpf.CALLABLE))
     session.tell([total(policy) for policy in session.ask()])
     answers: list[float | hpf.RolloutFailed] = [total(policy) for policy in session.ask()]
     answers[0] = hpf.RolloutFailed("dropped")
@@ -79,7 +79,7 @@ def test_a_motion_that_failed_is_told_as_such(free: hpf.Task) -> None:
 
 
 def test_a_damaged_session_is_refused_by_name(free: hpf.Task, tmp_path: Path) -> None:
-    session = hpf.Session(free.replace(cost=None))
+    session = hpf.Session(free.replace(cost=None, environment=hpf.CALLABLE))
     session.tell([total(policy) for policy in session.ask()])
     session.save(tmp_path / "session")
     task = tmp_path / "session/task.toml"

@@ -74,6 +74,6 @@ def rollout(policy: hpf.Policy, seed: int = 0) -> NDArray[np.float64]:
 
 if __name__ == "__main__":
     seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
-    run = hpf.learn(hpf.Task.parse(TASK), seed=seed, rollout=lambda policy: rollout(policy, seed), progress=True)
+    run = hpf.learn(hpf.Task.parse(TASK, environment=hpf.CALLABLE), seed=seed, rollout=lambda policy: rollout(policy, seed), progress=True)
     force = [float(np.sqrt(cost / 0.75)) for cost in (run.history.total[0], run.cost)]
     print(f"{run}\nforce error, RMS: {force[0]:.2f} N before, {force[1]:.3f} N after")

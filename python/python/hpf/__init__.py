@@ -6,6 +6,8 @@ another one is called ``hpf``. The walk-through is docs/python.md, the equations
 Units are SI and stand in names: m, s, N, N/m, N s/m; of an axis in rad: rad, N m, N m/rad, N m s/rad.
 """
 
+from typing import Final
+
 from hpf import errors
 from hpf._hpf import (
     Command,
@@ -36,7 +38,12 @@ from hpf.errors import (
 )
 from hpf.records import Evaluation, History, Metric, Trace
 
+CALLABLE: Final = {"kind": "process", "command": ["(a Python callable)"]}
+"""The environment of a task whose rollouts a callable makes, as in ``Task.load(path, environment=hpf.CALLABLE)``: it needs no
+[cost] where costs are what the callable answers with."""
+
 __all__ = [
+    "CALLABLE",
     "Command",
     "Controller",
     "ControllerError",
