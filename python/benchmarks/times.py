@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import hpf
 import numpy as np
@@ -47,7 +48,7 @@ def rollout_us(kind: str) -> float:
     motions told to a session by the same answers without a call in between."""
     text = (TASKS / "reach.toml").read_text()
     learning = {"method": "cma-es", "updates": 200, "rollouts": 20}
-    changes = {"disturbance": None, "accept": None, "environment": hpf.CALLABLE, "rate": 150.0, "learning": learning}
+    changes: dict[str, Any] = {"disturbance": None, "accept": None, "environment": hpf.CALLABLE, "rate": 150.0, "learning": learning}
     task = hpf.Task.parse(text, **changes)
     costs, signal = np.full(150, 0.1), np.zeros((151, 1))
     measured = hpf.Trace(signal, signal, signal)

@@ -324,12 +324,10 @@ impl PyTask {
     ) -> PyResult<Self> {
         let Changes { set, removed } = Changes::of(py, changes)?;
         let fail = |failure: Failure| errors::of(py, &failure, "TaskError", Some(name));
-        let loaded = if removed.is_empty() {
-            parse_task(text, name, folder, &set)
-        } else {
-            // Only with all changes is it what is meant.
-            let changed = without(&text, &removed).and_then(|text| overrides::apply(&text, &set));
-            changed.and_then(|text| parse_task(text, name, folder, &[]))
+        // Only with all changes is it what is meant; a text that is no TOML is told as it stands.
+        let loaded = match without(&text, &removed).and_then(|text| overrides::apply(&text, &set)) {
+            Ok(text) => parse_task(text, name, folder, &[]),
+            Err(failure) => parse_task(text, name, folder, &[]).and(Err(failure)),
         };
         let loaded = loaded.map_err(fail)?;
         Self::new(loaded, Some(name.to_owned())).map_err(fail)
