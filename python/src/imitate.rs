@@ -99,7 +99,8 @@ impl Told {
     }
 }
 
-/// The policy of the recordings `sources`, names and texts of tables and where they are cut [s], in `task` or in one made for them.
+/// The policy of the recordings `sources`, names and texts of tables and where they are cut [s], in `task` or in one made
+/// for them.
 ///
 /// # Errors
 /// DemonstrationError and TaskError.

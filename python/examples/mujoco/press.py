@@ -1,7 +1,6 @@
 """Presses a wall at 5 N with a planar arm of two joints in MuJoCo, by servos that lag and a force sensor with noise.
 
     python examples/mujoco/press.py [SEED]
-
 hpf learns from nothing but the costs of the steps; hpf.Controller runs the arm at 1 kHz. Put your own in place of `Arm`.
 """
 
@@ -74,6 +73,7 @@ def rollout(policy: hpf.Policy, seed: int = 0) -> NDArray[np.float64]:
 
 if __name__ == "__main__":
     seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
-    run = hpf.learn(hpf.Task.parse(TASK, environment=hpf.CALLABLE), seed=seed, rollout=lambda policy: rollout(policy, seed), progress=True)
+    task = hpf.Task.parse(TASK, environment=hpf.CALLABLE)
+    run = hpf.learn(task, seed=seed, rollout=lambda policy: rollout(policy, seed), progress=True)
     force = [float(np.sqrt(cost / 0.75)) for cost in (run.history.total[0], run.cost)]
     print(f"{run}\nforce error, RMS: {force[0]:.2f} N before, {force[1]:.3f} N after")

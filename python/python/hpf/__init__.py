@@ -39,8 +39,8 @@ from hpf.errors import (
 from hpf.records import Evaluation, History, Metric, Trace
 
 CALLABLE: Final = {"kind": "process", "command": ["(a Python callable)"]}
-"""The environment of a task whose rollouts a callable makes, as in ``Task.load(path, environment=hpf.CALLABLE)``: it needs no
-[cost] where costs are what the callable answers with."""
+"""The environment of a task whose rollouts a callable makes, as in ``Task.load(path, environment=hpf.CALLABLE)``: it needs
+no [cost] where costs are what the callable answers with."""
 
 __all__ = [
     "CALLABLE",
