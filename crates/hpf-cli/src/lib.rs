@@ -16,6 +16,7 @@ mod sweep_table;
 mod terminal;
 
 use core::panic::AssertUnwindSafe;
+use std::ffi::OsString;
 use std::io::{Write as _, stdout};
 use std::panic::catch_unwind;
 use std::process::ExitCode;
@@ -30,18 +31,24 @@ use hpf::sinks::reason;
 /// `was_closed` when the program began is a failure.
 pub fn main(was_closed: bool) -> ExitCode {
     terminal::begin(was_closed);
-    let arguments = match cli::Arguments::try_parse() {
+    run(std::env::args_os()).into()
+}
+
+/// Runs the command of `arguments`, the first of which is the name of the program, and returns its exit code: for who
+/// starts the program inside of another one.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match cli::Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(answer) => return tell_of_arguments(&answer),
     };
     style::choose(arguments.common.color);
     match last_resort(|| commands::run(&arguments)) {
-        Ok(outcome) => outcome.into(),
+        Ok(outcome) => outcome.exit_code(),
         Err(failure) => fail(&failure),
     }
 }
 
-fn fail(failure: &Failure) -> ExitCode {
+fn fail(failure: &Failure) -> u8 {
     terminal::complain(failure);
     outcome::exit_code(failure)
 }
@@ -60,7 +67,7 @@ fn last_resort<T>(command: impl FnOnce() -> Result<T, Failure>) -> Result<T, Fai
 }
 
 /// Prints what clap answers in place of arguments: help and version are results, mistakes are not.
-fn tell_of_arguments(answer: &clap::Error) -> ExitCode {
+fn tell_of_arguments(answer: &clap::Error) -> u8 {
     if answer.use_stderr() {
         let text = answer.render().to_string();
         // Arguments that a terminal would obey are quoted in it: then without colours.
@@ -69,10 +76,10 @@ fn tell_of_arguments(answer: &clap::Error) -> ExitCode {
         } else {
             terminal::tell(text.trim_end());
         }
-        return ExitCode::from(2);
+        return 2;
     }
     match terminal::printed(answer.print().and_then(|()| stdout().flush())) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => fail(&failure),
     }
 }

@@ -1,7 +1,5 @@
 //! How a command ends.
 
-use std::process::ExitCode;
-
 use hpf::failure::Failure;
 
 /// A command that did its work.
@@ -15,21 +13,22 @@ pub enum Outcome {
     Interrupted,
 }
 
-impl From<Outcome> for ExitCode {
-    fn from(outcome: Outcome) -> Self {
-        match outcome {
-            Outcome::Done => Self::from(0),
-            Outcome::Missed => Self::from(3),
-            Outcome::Interrupted => Self::from(130),
+impl Outcome {
+    /// Its exit code.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Missed => 3,
+            Self::Interrupted => 130,
         }
     }
 }
 
 /// The exit code of a command that could not do its work.
-pub fn exit_code(failure: &Failure) -> ExitCode {
+pub fn exit_code(failure: &Failure) -> u8 {
     match failure {
-        Failure::Input(_) | Failure::Mistakes(_) => ExitCode::from(2),
-        Failure::Work(_) => ExitCode::from(1),
-        Failure::Interrupted(_) => ExitCode::from(130),
+        Failure::Input(_) | Failure::Mistakes(_) => 2,
+        Failure::Work(_) => 1,
+        Failure::Interrupted(_) => 130,
     }
 }

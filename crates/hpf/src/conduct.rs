@@ -23,7 +23,7 @@ pub struct Controlled {
 }
 
 /// The name of a mode.
-fn mode(mode: Mode) -> &'static str {
+pub fn mode(mode: Mode) -> &'static str {
     match mode {
         Mode::Idle => "idle",
         Mode::Run => "run",
@@ -39,7 +39,8 @@ fn joined<const N: usize>(flags: [(bool, &str); N]) -> String {
     set.join("+")
 }
 
-fn flags(status: &Status) -> String {
+/// What has happened in a step, joined by `+`; whether a tare is possible is left out.
+pub fn flags(status: &Status) -> String {
     joined([
         (status.ended, "ended"),
         (status.bad_time, "bad_time"),
@@ -57,7 +58,8 @@ fn flags(status: &Status) -> String {
     ])
 }
 
-fn cut(hits: &Hits) -> String {
+/// Which limits have cut a command, joined by `+`.
+pub fn cut(hits: &Hits) -> String {
     let mut names = Tally::LIMITS.into_iter();
     joined(Tally::of(hits).map(|is_set| (is_set, names.next().unwrap_or_default())))
 }

@@ -55,6 +55,15 @@ impl<'r> Drawing<'r> {
     pub fn new(name: impl Into<String>, make: impl Fn() -> Figure + Send + Sync + 'r) -> Self {
         Self { name: name.into(), make: Box::new(make) }
     }
+
+    /// The bytes of its file, which belongs to `subject`.
+    ///
+    /// # Errors
+    /// [`Failure::Work`] that names the figure.
+    pub fn bytes(&self, subject: &str, format: Format) -> Result<Vec<u8>, Failure> {
+        let path = Path::new(&self.name);
+        guarded(path, || canvas::draw((self.make)(), subject, format).map_err(while_writing(path)))
+    }
 }
 
 /// The figures of `run`.

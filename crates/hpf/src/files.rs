@@ -112,15 +112,21 @@ pub fn read_limited(path: &Path, limit: u64) -> Result<String, Failure> {
 /// [`Failure`] with every mistake of the file and its place.
 pub fn read_task(path: &Path, overrides: &[String]) -> Result<LoadedTask, Failure> {
     let text = read_limited(path, MAX_TASK_BYTES as u64)?;
-    let name = path.display().to_string();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse_task(text, &path.display().to_string(), folder, overrides)
+}
+
+/// [`read_task`] of a text that is called `name`; the files it names lie in `folder`.
+///
+/// # Errors
+/// As for [`read_task`].
+pub fn parse_task(mut text: String, name: &str, folder: &Path, overrides: &[String]) -> Result<LoadedTask, Failure> {
     let parse = |text: &str, name: &str| Task::parse(text).map_err(in_text(name));
-    let mut task = parse(&text, &name)?;
-    let mut text = text;
+    let mut task = parse(&text, name)?;
     if !overrides.is_empty() {
         text = overrides::apply(&text, overrides)?;
         task = parse(&text, &format!("{name} (with --set {})", overrides.join(" --set ")))?;
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
     let mut notes = Vec::new();
     for disturbance in &mut task.disturbance {
         if let Disturbance::Table(table) = disturbance {

@@ -31,12 +31,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hpf_sim::Policy;
 use hpf_sim::task::{Environment, Process};
 
 use crate::directory::Unfinished;
 use crate::failure::Failure;
 use crate::files::{LoadedTask, read_task};
 use crate::learning::{self, Learned};
+use crate::outside::Maker;
 use crate::summary::Summary;
 use crate::watch::Watch;
 use crate::{overrides, results, save, start};
@@ -79,8 +81,26 @@ impl Job {
         target: Option<&Path>,
         force: bool,
     ) -> Result<Self, Failure> {
+        let loaded = read_task(task, changes)?;
+        let start = from.map(|from| start::policy(&loaded.task, Some(from))).transpose()?;
+        Self::of(loaded, start, target, force)
+    }
+
+    /// The same of a task that is already read; from the policy `start`, in the structure of the task, where there is one.
+    ///
+    /// # Errors
+    /// As for [`Job::begin`].
+    pub fn of(
+        mut loaded: LoadedTask,
+        start: Option<Policy>,
+        target: Option<&Path>,
+        force: bool,
+    ) -> Result<Self, Failure> {
         let started = Instant::now();
-        let mut loaded = read_task(task, changes)?;
+        if start.is_none() {
+            // What cannot begin leaves nothing behind.
+            start::policy(&loaded.task, None)?;
+        }
         let tables = results::own_tables(&mut loaded.task);
         let mut changes: Vec<String> = tables.iter().map(|table| table.change.clone()).collect();
         if let Some(Environment::Process(Process { folder: Some(folder), .. })) = &loaded.task.environment {
@@ -88,13 +108,12 @@ impl Job {
             changes.push(format!("environment.folder={}", overrides::quoted(folder)));
         }
         loaded.text = overrides::apply(&loaded.text, &changes)?;
-        let start = start::policy(&loaded.task, from)?;
         let place = target.map_or_else(|| PathBuf::from("runs").join(&loaded.task.name), Path::to_path_buf);
         let mut folder = Unfinished::begin(&place, force)?;
         let written = folder.write("task.toml", &loaded.text);
         let written = written.and_then(|()| tables.iter().try_for_each(|table| folder.write(&table.name, &table.csv)));
-        let written = written.and_then(|()| match from {
-            Some(_) => folder.write(start::START, start.to_json()),
+        let written = written.and_then(|()| match start {
+            Some(start) => folder.write(start::START, start.to_json()),
             None => Ok(()),
         });
         match written {
@@ -125,8 +144,18 @@ impl Job {
     ///
     /// # Errors
     /// [`Failure`] where nothing was learned, or it cannot be written; what there is to go on from stays.
-    pub fn learn(mut self, watch: &dyn Watch) -> Result<Finished, Failure> {
-        let saved = learning::learn(&self.loaded, Some(&mut self.folder), watch)
+    pub fn learn(self, watch: &dyn Watch) -> Result<Finished, Failure> {
+        self.learn_with(watch, None)
+    }
+
+    /// [`Job::learn`] with the rollouts of `maker`, where there is one ([`learning::learn_from`]).
+    ///
+    /// # Errors
+    /// As for [`Job::learn`].
+    pub fn learn_with(mut self, watch: &dyn Watch, maker: Option<&dyn Maker>) -> Result<Finished, Failure> {
+        let named = Some(self.folder.path(start::START)).filter(|named| named.is_file());
+        let saved = start::policy(&self.loaded.task, named.as_deref())
+            .and_then(|start| learning::learn_from(&self.loaded, start, Some(&mut self.folder), watch, maker))
             .and_then(|learned| self.save(&learned, watch).map(|(summary, failures)| (learned, summary, failures)));
         let (learned, summary, failures) = match saved {
             Ok(saved) => saved,

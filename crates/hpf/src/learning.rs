@@ -7,7 +7,9 @@ use core::fmt::Display;
 use core::time::Duration;
 use std::time::Instant;
 
-use hpf_learn::{History, LearnError, LearningLoop, Problem, Progress, Record, Session, TerminationReason};
+use hpf_learn::{
+    History, LearnError, LearningLoop, Problem, Progress, Record, Session, TellOutcome, TerminationReason,
+};
 use hpf_sim::task::{Environment, Task};
 use hpf_sim::{Metric, Policy, Simulation, Trace};
 
@@ -15,6 +17,7 @@ use crate::checkpoint::{Checkpoint, Input};
 use crate::directory::{CHECKPOINT, Unfinished};
 use crate::failure::Failure;
 use crate::files::{LoadedTask, read_text, sha256};
+use crate::outside::{Kind, Maker, Outside};
 use crate::process::Process;
 use crate::results::{LearningRow, Run, own_tables};
 use crate::start::{self, START};
@@ -63,32 +66,55 @@ impl Kept<'_> {
 ///
 /// # Errors
 /// [`Failure`] where the task cannot be learned, or the folder not be written.
-pub fn learn(loaded: &LoadedTask, mut folder: Option<&mut Unfinished>, watch: &dyn Watch) -> Result<Learned, Failure> {
-    let task = &loaded.task;
+pub fn learn(loaded: &LoadedTask, folder: Option<&mut Unfinished>, watch: &dyn Watch) -> Result<Learned, Failure> {
     let named = folder.as_ref().map(|folder| folder.path(START)).filter(|named| named.is_file());
-    let start = start::policy(task, named.as_deref())?;
+    let start = start::policy(&loaded.task, named.as_deref())?;
+    learn_from(loaded, start, folder, watch, None)
+}
+
+/// [`learn`] from the policy `start`, which is the one in `folder` where there is one; where there is a `maker`, it makes
+/// the rollouts of a task that hpf does not simulate, in place of the process named there.
+///
+/// # Errors
+/// As for [`learn`].
+pub fn learn_from(
+    loaded: &LoadedTask,
+    start: Policy,
+    mut folder: Option<&mut Unfinished>,
+    watch: &dyn Watch,
+    maker: Option<&dyn Maker>,
+) -> Result<Learned, Failure> {
+    let task = &loaded.task;
     let simulation = Simulation::new(&task.as_planned(), &start).map_err(|error| bad_task(task, &error))?;
     let weights = simulation.starting_weights(&start).map_err(|error| bad_task(task, &error))?;
     let start = start.with_weights(&weights).map_err(|error| bad_task(task, &error))?;
-    let mut learned = match &task.environment {
-        None => learn_in(&simulation, &simulation, (loaded, &start), folder, watch, &|| None)?,
-        Some(Environment::Process(settings)) => {
+    let mut learned = match (&task.environment, maker) {
+        (None, None) => {
+            let steps = |session| LearningLoop::new(&simulation, session);
+            learn_in(&simulation, steps, (loaded, &start), (&simulation, folder), watch, &|| None)?
+        }
+        (None, Some(_)) => {
+            let message = "its motions are simulated: rollouts made elsewhere need an [environment]";
+            return Err(bad_task(task, &message));
+        }
+        (Some(_), Some(maker)) => {
+            let outside = Outside::new(task, &simulation, maker, watch)?;
+            let (plan, steps) = (outside.plan(), |session| outside.steps(session));
+            let failure = || outside.failure();
+            let mut learned = learn_in(plan, steps, (loaded, &start), (&simulation, folder), watch, &failure)?;
+            learned.show_motion(maker.kind() == Kind::Trace, |weights| Ok(outside.motion(weights)))?;
+            learned
+        }
+        (Some(Environment::Process(settings)), None) => {
             let process = Process::start(settings, task, &start, &simulation, watch)?;
             let pool = rayon::ThreadPoolBuilder::new().num_threads(process.workers()).build();
             let pool = pool.map_err(|error| Failure::Work(format!("cannot start threads: {error}")))?;
-            let failure = || process.failure();
-            let mut learned =
-                pool.install(|| learn_in(&process, &simulation, (loaded, &start), folder.take(), watch, &failure))?;
-            learned.is_planned = true;
-            if process.leaves_traces() && !learned.is_open() && learned.failure.is_none() {
-                learned.history.rollouts += 1;
-                match process.motion(&learned.history.best.weights)? {
-                    Ok(trace) => (learned.run.trajectory, learned.is_planned) = (trace, false),
-                    Err(why) => learned.failure = Some(format!("the motion that was learned failed: {why}")),
-                }
-            }
-            // An update whose motions all fail is no end of learning where a robot made them.
-            learned.is_mendable = true;
+            let mut learned = pool.install(|| {
+                let steps = |session| LearningLoop::new(&process, session);
+                let failure = || process.failure();
+                learn_in(&process, steps, (loaded, &start), (&simulation, folder.take()), watch, &failure)
+            })?;
+            learned.show_motion(process.leaves_traces(), |weights| process.motion(weights))?;
             learned
         }
     };
@@ -108,15 +134,34 @@ fn bad_task(task: &Task, error: &dyn Display) -> Failure {
     Failure::Input(format!("{}: {error}", task.name))
 }
 
-/// Learns `problem`, whose motions as planned are those of `simulation`, until it is over, interrupted, or `failure` says
-/// that no more motions can be made.
-fn learn_in<P: Problem>(
+/// What brings a session on: makes the motions that it asks for, and tells what came of them.
+pub(crate) trait Steps {
+    /// The session, told of all that was handed out.
+    fn session(&self) -> &Session;
+
+    /// What came of the motions asked for next; `None` where learning is over.
+    fn step(&mut self) -> Result<Option<TellOutcome>, LearnError>;
+}
+
+impl<P: Problem> Steps for LearningLoop<'_, P> {
+    fn session(&self) -> &Session {
+        LearningLoop::session(self)
+    }
+
+    fn step(&mut self) -> Result<Option<TellOutcome>, LearnError> {
+        LearningLoop::step(self)
+    }
+}
+
+/// Learns `problem` by `steps`, whose motions as planned are those of `simulation`, until it is over, interrupted, or
+/// `failure` says that no more motions can be made.
+fn learn_in<P: Problem, S: Steps>(
     problem: &P,
-    simulation: &Simulation,
+    steps: impl FnOnce(Session) -> S,
     (loaded, start): (&LoadedTask, &Policy),
-    mut folder: Option<&mut Unfinished>,
+    (simulation, mut folder): (&Simulation, Option<&mut Unfinished>),
     watch: &dyn Watch,
-    failure: &(dyn Fn() -> Option<String> + Sync),
+    failure: &dyn Fn() -> Option<String>,
 ) -> Result<Learned, Failure> {
     let task = &loaded.task;
     let session =
@@ -129,13 +174,18 @@ fn learn_in<P: Problem>(
     };
     watch.begun(task);
     let started = Instant::now();
-    let mut learning = LearningLoop::new(problem, session);
+    let mut learning = steps(session);
     let mut broken = None;
     while !(watch.is_asked() && learning.session().is_evaluated()) {
         let outcome = match learning.step() {
             Ok(Some(outcome)) => outcome,
             Ok(None) => break,
             Err(LearnError::Stopped) => match failure() {
+                // What a folder keeps can go on; without one there is what was learned until here.
+                Some(why) if folder.is_none() && learning.session().history().best.total.is_finite() => {
+                    broken = Some((why, learning.session().history()));
+                    break;
+                }
                 Some(why) => return Err(Failure::Work(why)),
                 None if learning.session().history().best.total.is_finite() => break,
                 None => return Err(Failure::Interrupted("no motion has a cost yet".into())),
@@ -259,6 +309,25 @@ fn inputs(loaded: &LoadedTask, folder: &Unfinished) -> Result<Vec<Input>, Failur
 }
 
 impl Learned {
+    /// Shows the motion that was learned where it can be made, by `motion`, and was not only planned.
+    fn show_motion(
+        &mut self,
+        leaves_traces: bool,
+        motion: impl FnOnce(&[f64]) -> Result<Result<Trace, String>, Failure>,
+    ) -> Result<(), Failure> {
+        self.is_planned = true;
+        if leaves_traces && !self.is_open() && self.failure.is_none() {
+            self.history.rollouts += 1;
+            match motion(&self.history.best.weights)? {
+                Ok(trace) => (self.run.trajectory, self.is_planned) = (trace, false),
+                Err(why) => self.failure = Some(format!("the motion that was learned failed: {why}")),
+            }
+        }
+        // An update whose motions all fail is no end of learning where a robot made them.
+        self.is_mendable = true;
+        Ok(())
+    }
+
     /// Whether it can be resumed: it was interrupted, or the cause of its failure can be removed.
     pub fn is_open(&self) -> bool {
         self.history.stop == TerminationReason::Requested && (self.failure.is_none() || self.is_mendable)

@@ -15,6 +15,7 @@ pub mod learning;
 #[cfg(feature = "logs")]
 pub mod log;
 pub mod nodes;
+pub mod outside;
 pub mod overrides;
 pub mod packed;
 pub mod paper;

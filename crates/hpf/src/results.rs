@@ -152,6 +152,12 @@ fn columns<'t>(task: &Task, trace: &'t mut Trace) -> Vec<(String, &'t mut Vec<f6
     columns
 }
 
+/// Every signal of a trace with the name of its column, in the order of `trajectory.csv`.
+pub fn signals(task: &Task, trace: &Trace) -> Vec<(String, Vec<f64>)> {
+    let mut trace = trace.clone();
+    columns(task, &mut trace).into_iter().map(|(name, signal)| (name, core::mem::take(signal))).collect()
+}
+
 /// The text of `trajectory.csv` and of each snapshot: numbers read back to the same bits.
 pub fn trajectory_csv(task: &Task, trace: &Trace) -> String {
     let mut trace = trace.clone();

@@ -26,3 +26,15 @@ pub fn policy(task: &Task, from: Option<&Path>) -> Result<Policy, Failure> {
     let path = policy_path(from)?;
     read_policy(&path)?.carried_to(task).map_err(in_file(&path))
 }
+
+/// The policy that learning of `task` starts from where it is to be `policy`.
+///
+/// # Errors
+/// [`Failure::Input`] that names every difference between policy and task.
+pub fn carried(policy: &Policy, task: &Task) -> Result<Policy, Failure> {
+    if task.learning.initial_path != InitialPath::Pull {
+        let message = "the policy to start from brings a path of its own; set learning.initial_path to \"pull\"";
+        return Err(Failure::Input(message.into()));
+    }
+    policy.carried_to(task).map_err(|error| Failure::Input(error.to_string()))
+}

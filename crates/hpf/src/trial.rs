@@ -16,12 +16,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use hpf_learn::TerminationReason;
+use hpf_sim::{Policy, Simulation, Task};
 
 use crate::failure::Failure;
-use crate::files::{LoadedTask, read_task};
+use crate::files::{LoadedTask, read_task, sha256};
 use crate::learning::{self, Learned};
 use crate::overrides;
-use crate::results::{self, OwnTable, Run};
+use crate::results::{self, LearningRow, OwnTable, Run};
 use crate::save::Whole;
 use crate::sinks::combined;
 use crate::summary::Summary;
@@ -88,22 +89,78 @@ pub struct Trial {
     pub summary: Summary,
 }
 
+impl Trial {
+    /// Of what was learned since `begun`.
+    pub fn of(learned: Learned, begun: Instant) -> Self {
+        let Learned { run, history, metrics, time, failure, .. } = learned;
+        let seconds = [time, begun.elapsed()].map(|time| time.as_secs_f64());
+        let summary = Summary::of_learning(&run, &history, metrics, seconds, failure.as_deref());
+        Self { run, summary }
+    }
+}
+
+/// The motion of `policy` in the task of `loaded`, simulated, with its cost and measures.
+///
+/// # Errors
+/// [`Failure::Input`] where policy and task do not belong together, or the motion has no finite cost.
+pub fn simulate(policy: Policy, loaded: &LoadedTask) -> Result<Trial, Failure> {
+    let begun = Instant::now();
+    let task = &loaded.task;
+    let simulation = Simulation::new(task, &policy).map_err(|error| bad_task(task, &error))?;
+    let parameters = simulation.parameters(&policy);
+    let (cost, metrics) = simulation.evaluate(&parameters);
+    let price = (cost.total(), cost.terms.clone());
+    if !price.0.is_finite() {
+        return Err(bad_task(task, &"the motion has no finite cost in this environment"));
+    }
+    let rollouts = task.evaluation_draws();
+    let run = Run {
+        task: task.clone(),
+        trajectory: simulation.rollout(&parameters),
+        policy,
+        learning: vec![LearningRow { update: 0, rollouts, total: price.0, terms: cost.terms, exploration: 0.0 }],
+        snapshots: Vec::new(),
+        demonstrations: Vec::new(),
+    };
+    let summary = Summary {
+        task: task.name.clone(),
+        task_sha256: sha256(&loaded.text),
+        policy_sha256: sha256(&run.policy.to_json()),
+        method: "simulation",
+        seed: task.learning.seed,
+        threads: rayon::current_num_threads(),
+        updates: 0,
+        best_update: 0,
+        rollouts,
+        learning_s: 0.0,
+        total_s: begun.elapsed().as_secs_f64(),
+        initial: price.clone(),
+        last: price,
+        metrics,
+        rejected: 0,
+        stopped_because: "a policy was run, nothing learned".into(),
+    };
+    Ok(Trial { run, summary })
+}
+
+fn bad_task(task: &Task, error: &dyn core::fmt::Display) -> Failure {
+    Failure::Input(format!("{}: {error}", task.name))
+}
+
 /// Learns `loaded`, until `watch` asks to end.
 ///
 /// # Errors
 /// [`Broken`] where learning did not finish.
 pub fn learn(loaded: &LoadedTask, watch: &dyn Watch) -> Result<Trial, Broken> {
     let begun = Instant::now();
-    let Learned { run, history, metrics, time, failure, .. } = learning::learn(loaded, None, watch)?;
-    if let Some(why) = failure {
+    let learned = learning::learn(loaded, None, watch)?;
+    if let Some(why) = learned.failure {
         return Err(Broken::Failed(why));
     }
-    if history.stop == TerminationReason::Requested {
+    if learned.history.stop == TerminationReason::Requested {
         return Err(Broken::Interrupted);
     }
-    let seconds = [time, begun.elapsed()].map(|time| time.as_secs_f64());
-    let summary = Summary::of_learning(&run, &history, metrics, seconds, None);
-    Ok(Trial { run, summary })
+    Ok(Trial::of(learned, begun))
 }
 
 /// Writes the run directory `target` of a trial, over what is there; with its snapshots, log and plots where `full`.

@@ -386,8 +386,12 @@ impl Settings {
         }
     }
 
-    /// As a controller takes them, where axis a is to press with `push` on its environment [N] and steps take `dt` [s].
-    pub(crate) fn controller<const D: usize>(
+    /// As a controller takes them, where axis a is to press with `push` on its environment [N] and steps take `dt` [s] at
+    /// most. Lists have as many entries as there are axes: [`Settings::parse`] sees to it.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for a tank that cannot be.
+    pub fn controller<const D: usize>(
         &self,
         push: [f64; D],
         dt: f64,
