@@ -454,11 +454,11 @@ mod tests {
             assert!(announced(rest).unwrap_err().contains(words), "{rest}");
         }
         let kind = Kind::Residuals(2);
-        let found = told(r#"{"type":"done","id":7,"residuals":[3,-4]}"#, kind);
+        let found = answered(r#"{"type":"done","id":7,"residuals":[3,-4]}"#, kind);
         assert_eq!(found, Ok(Answer::Residuals(vec![3.0, -4.0])));
-        assert!(matches!(told(r#"{"type":"done","id":7,"residuals":[3,NaN]}"#, kind), Ok(Answer::Failed(_))));
-        assert!(told(r#"{"type":"done","id":7,"residuals":[3]}"#, kind).unwrap_err().contains("announced were 2"));
-        assert!(told(r#"{"type":"done","id":7,"cost":3}"#, kind).unwrap_err().contains("needs one of residuals"));
-        assert!(told(r#"{"type":"done","id":7,"residuals":[1]}"#, Kind::Costs).unwrap_err().contains("needs one of"));
+        assert!(matches!(answered(r#"{"type":"done","id":7,"residuals":[3,NaN]}"#, kind), Ok(Answer::Failed(_))));
+        assert!(answered(r#"{"type":"done","id":7,"residuals":[3]}"#, kind).unwrap_err().contains("announced were 2"));
+        assert!(answered(r#"{"type":"done","id":7,"cost":3}"#, kind).unwrap_err().contains("needs one of residuals"));
+        assert!(answered(r#"{"type":"done","id":7,"residuals":[1]}"#, Kind::Costs).unwrap_err().contains("needs one of"));
     }
 }
