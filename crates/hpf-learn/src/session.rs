@@ -234,7 +234,9 @@ impl Session {
                 let samples = (0..batch.len()).map(|k| batch.sample(k)).collect();
                 (Draws::Update(learner.update()), samples, Wants::Costs)
             }
-            ActiveMethod::Model(learner, _) => (Draws::Update(learner.made()), Parameters::constants(learner.ask()), Wants::Motion),
+            ActiveMethod::Model(learner, _) => {
+                (Draws::Update(learner.made()), Parameters::constants(learner.ask()), Wants::Motion)
+            }
             ActiveMethod::Signals(learner) => {
                 let samples = learner.ask();
                 // The response needs fixed draws: it is learned from differences between updates too.

@@ -35,7 +35,20 @@ fn hex(colour: RGBColor) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let mut escaped = String::new();
+    for sign in text.chars() {
+        match sign {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            // What XML cannot hold would spoil the whole file.
+            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
+            sign if sign.is_control() => escaped.push('\u{fffd}'),
+            sign => escaped.push(sign),
+        }
+    }
+    escaped
 }
 
 /// The path through `points`.
@@ -160,5 +173,18 @@ impl Surface for Vector {
             self.body
         );
         Ok(text.into_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escaped;
+
+    #[test]
+    fn a_label_holds_what_xml_can_hold() {
+        assert_eq!(
+            escaped("a<b> & \"c\"\u{1b}\u{0}\u{ffff}"),
+            "a&lt;b&gt; &amp; &quot;c&quot;\u{fffd}\u{fffd}\u{fffd}"
+        );
     }
 }

@@ -459,6 +459,8 @@ mod tests {
         assert!(matches!(answered(r#"{"type":"done","id":7,"residuals":[3,NaN]}"#, kind), Ok(Answer::Failed(_))));
         assert!(answered(r#"{"type":"done","id":7,"residuals":[3]}"#, kind).unwrap_err().contains("announced were 2"));
         assert!(answered(r#"{"type":"done","id":7,"cost":3}"#, kind).unwrap_err().contains("needs one of residuals"));
-        assert!(answered(r#"{"type":"done","id":7,"residuals":[1]}"#, Kind::Costs).unwrap_err().contains("needs one of"));
+        assert!(
+            answered(r#"{"type":"done","id":7,"residuals":[1]}"#, Kind::Costs).unwrap_err().contains("needs one of")
+        );
     }
 }
