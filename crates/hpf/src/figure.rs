@@ -4,6 +4,7 @@
 
 mod axis;
 mod beam;
+mod bitmap;
 mod canvas;
 mod chart;
 mod contact;
@@ -17,11 +18,12 @@ mod legend;
 mod motions;
 mod number;
 mod overlay;
-mod page;
 mod palette;
 mod plane;
 mod signals;
+mod surface;
 mod text;
+mod vector;
 
 use std::path::Path;
 
@@ -39,8 +41,8 @@ pub use self::chart::Figure;
 pub use self::distribution::{Group, Measure, Member, cost as sweep_cost, measures as sweep_measures};
 pub use self::number::short;
 pub use self::overlay::{Named, figures as overlaid};
-pub use self::page::Format;
 pub use self::palette::MOST_SERIES;
+pub use self::surface::Format;
 
 /// A figure that can be drawn: its name, and how it is made.
 pub struct Drawing<'r> {

@@ -1,5 +1,5 @@
 fn settings<T: Real + PartialOrd>() -> Settings<T, 1> {
-    support::settings()
+    crate::support::settings()
 }
 
 /// A controller brought into `mode` and to rest.
@@ -61,7 +61,7 @@ fn the_controller_goes_through_that_table_and_no_other() {
 fn the_start_is_bumpless_wherever_the_robot_is() {
     for position in [-0.2, 0.0, 0.37] {
         let mut controller = Controller::new(skill::<f64, 1>(KIND, 2.0), settings(), [position]).unwrap();
-        let mut input = support::input([0.0]);
+        let mut input = crate::support::input([0.0]);
         let idle = controller.update(&input, DT);
         assert_eq!((idle.axes[0].position, idle.axes[0].velocity, idle.axes[0].offset), (position, 0.0, 0.0));
         input.request = Some(Request::Start);

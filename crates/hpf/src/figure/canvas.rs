@@ -3,8 +3,8 @@
 use super::axis::Tick;
 use super::chart::{Figure, Layer, Mark, Panel, Point, Shape};
 use super::layout::{CAPITAL, FOOT, LABEL, Layout, MARGIN, SMALL, TICK_GAP, TICK_LENGTH, TITLE};
-use super::page::{Anchor, Area, Format, Page, is_place};
 use super::palette::{BLACK, FRAME, GRID, Pen, QUIET, WHITE};
+use super::surface::{Anchor, Area, Column, Format, Surface};
 use super::{ends, legend, text};
 
 /// How much a band covers what it lies on: two of them still show through each other.
@@ -13,40 +13,38 @@ const BAND_OPACITY: f64 = 0.3;
 /// Draws `figure`, which belongs to `subject`: the bytes of its file.
 ///
 /// # Errors
-/// What the page says, or that the figure has no panel.
+/// What the encoder says.
 pub fn draw(mut figure: Figure, subject: &str, format: Format) -> Result<Vec<u8>, String> {
-    if figure.panels.is_empty() {
-        return Err("the figure has no panel".into());
-    }
     let layout = Layout::new(&mut figure);
-    let mut page = Page::new(layout.size);
-    let right = layout.size.0 - MARGIN;
+    let mut surface = format.surface(layout.size);
+    let canvas = &mut *surface;
+    let right = layout.size.0 as f64 - MARGIN;
     let left = layout.boxes[0].left;
 
     let title = text::fit(&figure.title, TITLE, right - left);
     let baseline = MARGIN + CAPITAL * TITLE;
-    page.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
+    canvas.text(&title, (left, baseline), TITLE, BLACK, Anchor::Start, false);
     let room = right - left - text::width(&title, TITLE) - 60.0;
     if room > 100.0 {
-        page.text(&text::fit(subject, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
+        canvas.text(&text::fit(subject, SMALL, room), (right, baseline), SMALL, QUIET, Anchor::End, false);
     }
     for (layer, place) in figure.legend().into_iter().zip(&layout.legend) {
-        legend::entry(&mut page, layer, *place);
+        legend::entry(canvas, layer, *place);
     }
     for ((panel, area), ticks) in figure.panels.iter().zip(&layout.boxes).zip(&layout.y_ticks) {
-        draw_panel(&mut page, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
+        draw_panel(canvas, panel, *area, ticks, &layout.x_ticks, figure.panels.len() == 1);
     }
-    let (panel, area) = (&figure.panels[0], &layout.boxes[figure.panels.len() - 1]);
+    let (panel, area) = (&figure.panels[0], layout.boxes.last().expect("a figure has a panel"));
     for tick in &layout.x_ticks {
         let x = horizontal(panel, *area, tick.value).round();
         let place = (x, area.bottom() + TICK_LENGTH + TICK_GAP + CAPITAL * SMALL);
-        page.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
+        canvas.text(&tick.label, place, SMALL, BLACK, Anchor::Middle, false);
     }
     let map = |point: &Point| (horizontal(panel, *area, point.0), vertical(panel, *area, point.1));
-    ends::draw(&mut page, &figure, *area, &map);
+    ends::draw(canvas, &figure, *area, &map);
     let place = (area.left + 0.5 * area.width, area.bottom() + FOOT - MARGIN + 4.0);
-    page.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
-    page.encode(format)
+    canvas.text(&panel.x.title(), place, LABEL, BLACK, Anchor::Middle, false);
+    surface.encode()
 }
 
 fn horizontal(panel: &Panel, area: Area, value: f64) -> f64 {
@@ -57,46 +55,46 @@ fn vertical(panel: &Panel, area: Area, value: f64) -> f64 {
     area.bottom() - (panel.y.share(value) * area.height).clamp(-1e5, 1e5)
 }
 
-fn draw_panel(page: &mut Page, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
+fn draw_panel(surface: &mut dyn Surface, panel: &Panel, area: Area, y_ticks: &[Tick], x_ticks: &[Tick], single: bool) {
     let map = |point: &Point| (horizontal(panel, area, point.0), vertical(panel, area, point.1));
-    let layers = |page: &mut Page, wanted: fn(&Shape) -> bool| {
+    let all = surface.all();
+    let layers = |surface: &mut dyn Surface, wanted: fn(&Shape) -> bool| {
         for layer in panel.layers.iter().filter(|layer| wanted(&layer.shape)) {
-            draw_layer(page, layer, area, &map);
+            draw_layer(surface, layer, area, &map);
         }
     };
-    layers(page, |shape| matches!(shape, Shape::Block(..)));
+    layers(surface, |shape| matches!(shape, Shape::Block(..)));
     let grid = Pen::thin(GRID);
     let length = |tick: &Tick| if tick.label.is_empty() { 0.5 * TICK_LENGTH } else { TICK_LENGTH };
     for tick in x_ticks {
         let x = horizontal(panel, area, tick.value).round();
-        page.stroke(&[(x, area.bottom()), (x, area.bottom() + length(tick))], Pen::thin(FRAME));
+        surface.stroke(&[(x, area.bottom()), (x, area.bottom() + length(tick))], Pen::thin(FRAME), all);
         if !tick.label.is_empty() {
-            page.stroke(&[(x, area.top), (x, area.bottom())], grid);
+            surface.stroke(&[(x, area.top), (x, area.bottom())], grid, area);
         }
     }
     for tick in y_ticks {
         let y = vertical(panel, area, tick.value).round();
-        page.stroke(&[(area.left - length(tick), y), (area.left, y)], Pen::thin(FRAME));
+        surface.stroke(&[(area.left - length(tick), y), (area.left, y)], Pen::thin(FRAME), all);
         if !tick.label.is_empty() {
-            page.stroke(&[(area.left, y), (area.right(), y)], grid);
+            surface.stroke(&[(area.left, y), (area.right(), y)], grid, area);
             let place = (area.left - TICK_LENGTH - TICK_GAP, y + 0.5 * CAPITAL * SMALL);
-            page.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
+            surface.text(&tick.label, place, SMALL, BLACK, Anchor::End, false);
         }
     }
-    layers(page, |shape| matches!(shape, Shape::Between(_)));
-    layers(page, |shape| matches!(shape, Shape::Line(_)));
+    layers(surface, |shape| matches!(shape, Shape::Between(_)));
+    layers(surface, |shape| matches!(shape, Shape::Line(_)));
     let (right, bottom) = (area.right(), area.bottom());
-    let corners = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom)];
-    // Once round and on, so that every corner is joined.
-    page.stroke(&corners.into_iter().cycle().take(6).collect::<Vec<_>>(), Pen::thin(FRAME));
+    let frame = [(area.left, area.top), (right, area.top), (right, bottom), (area.left, bottom), (area.left, area.top)];
+    surface.stroke(&frame, Pen::thin(FRAME), all);
     // A goal at the end of the time stands on the frame.
-    layers(page, |shape| matches!(shape, Shape::Marks(..)));
+    layers(surface, |shape| matches!(shape, Shape::Marks(..)));
 
     let title = panel.y.title();
     let mut heading = panel.heading.clone();
     if single {
         let place = (MARGIN + CAPITAL * LABEL, area.top + 0.5 * area.height);
-        page.text(&text::fit(&title, LABEL, area.height), place, LABEL, BLACK, Anchor::Middle, true);
+        surface.text(&text::fit(&title, LABEL, area.height), place, LABEL, BLACK, Anchor::Middle, true);
     } else {
         heading = [heading, title].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ");
     }
@@ -104,32 +102,25 @@ fn draw_panel(page: &mut Page, panel: &Panel, area: Area, y_ticks: &[Tick], x_ti
     let note = text::fit(&panel.note, SMALL, area.width);
     let heading = text::fit(&heading, SMALL, (area.width - text::width(&note, SMALL) - 30.0).max(0.0));
     if heading != "…" {
-        page.text(&heading, (area.left, baseline), SMALL, BLACK, Anchor::Start, false);
+        surface.text(&heading, (area.left, baseline), SMALL, BLACK, Anchor::Start, false);
     }
-    page.text(&note, (right, baseline), SMALL, QUIET, Anchor::End, false);
+    surface.text(&note, (right, baseline), SMALL, QUIET, Anchor::End, false);
 }
 
-fn draw_layer(page: &mut Page, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
+fn draw_layer(surface: &mut dyn Surface, layer: &Layer, area: Area, map: &impl Fn(&Point) -> Point) {
     match &layer.shape {
-        Shape::Line(points) => {
-            for part in inside(points.iter().map(map), area) {
-                page.stroke(&thinned(part.into_iter()), layer.pen);
-            }
-        }
+        Shape::Line(points) => surface.stroke(&thinned(points.iter().map(map)), layer.pen, area),
         Shape::Between(curves) => {
-            let place = |x: f64, y: f64| {
-                let (x, y) = map(&(x, y));
-                (x.max(area.left).min(area.right()), y.max(area.top).min(area.bottom()))
+            let column = |(x, low, high): &(f64, f64, f64)| {
+                let (bottom, top) = (map(&(*x, *low)), map(&(*x, *high)));
+                Column { x: top.0, top: top.1, bottom: bottom.1 }
             };
-            let is_known = |(x, low, high): &&(f64, f64, f64)| [x, low, high].iter().all(|value| !value.is_nan());
-            let curves: Vec<_> = curves.iter().filter(is_known).collect();
-            let above = curves.iter().map(|(x, _, high)| place(*x, *high));
-            let below = curves.iter().rev().map(|(x, low, _)| place(*x, *low));
-            page.cover(&above.chain(below).collect::<Vec<_>>(), layer.pen.colour, BAND_OPACITY);
+            let columns: Vec<Column> = curves.iter().map(column).collect();
+            surface.band(&columns, layer.pen.colour, BAND_OPACITY, area);
         }
         Shape::Marks(mark, points) => {
             for point in points {
-                draw_mark(page, *mark, map(point), layer.pen);
+                draw_mark(surface, *mark, map(point), layer.pen);
             }
         }
         Shape::Block(from, to) => {
@@ -138,70 +129,36 @@ fn draw_layer(page: &mut Page, layer: &Layer, area: Area, map: &impl Fn(&Point) 
             let y = |value: f64| value.max(area.top).min(area.bottom());
             let (left, top) = (x(from.0.min(to.0)), y(from.1.min(to.1)));
             let (width, height) = (x(from.0.max(to.0)) - left, y(from.1.max(to.1)) - top);
-            page.fill(Area { left, top, width, height }, layer.pen.colour);
+            surface.fill(Area { left, top, width, height }, layer.pen.colour);
         }
     }
 }
 
 /// Draws a mark around `place` [px].
-pub fn draw_mark(page: &mut Page, mark: Mark, place: Point, pen: Pen) {
-    let dot = |page: &mut Page, width: f64, colour| {
-        page.stroke(&[place], Pen { colour, width, dash: None });
+pub fn draw_mark(surface: &mut dyn Surface, mark: Mark, place: Point, pen: Pen) {
+    let all = surface.all();
+    let dot = |surface: &mut dyn Surface, width: f64, colour| {
+        surface.stroke(&[place], Pen { colour, width, dash: None }, all);
     };
     match mark {
         Mark::Dot => {
-            dot(page, 26.0, WHITE);
-            dot(page, 20.0, pen.colour);
+            dot(surface, 26.0, WHITE);
+            dot(surface, 20.0, pen.colour);
         }
         Mark::Speck => {
-            dot(page, 15.0, WHITE);
-            dot(page, 11.0, pen.colour);
+            dot(surface, 15.0, WHITE);
+            dot(surface, 11.0, pen.colour);
         }
         Mark::Target => {
-            dot(page, 28.0, pen.colour);
-            dot(page, 20.0, WHITE);
-            dot(page, 11.0, pen.colour);
+            dot(surface, 28.0, pen.colour);
+            dot(surface, 20.0, WHITE);
+            dot(surface, 11.0, pen.colour);
         }
         Mark::Ring => {
-            dot(page, 24.0, pen.colour);
-            dot(page, 14.0, WHITE);
+            dot(surface, 24.0, pen.colour);
+            dot(surface, 14.0, WHITE);
         }
     }
-}
-
-/// The parts of a line that lie in `area`; it breaks where a point is nowhere.
-fn inside(points: impl Iterator<Item = Point>, area: Area) -> Vec<Vec<Point>> {
-    let points: Vec<Point> = points.collect();
-    let mut parts: Vec<Vec<Point>> = Vec::new();
-    for piece in points.split(|point| !is_place(point)) {
-        if let [only] = *piece {
-            parts.extend(clipped(only, only, area).map(|_| vec![only]));
-        }
-        for (from, to) in piece.windows(2).filter_map(|pair| clipped(pair[0], pair[1], area)) {
-            match parts.last_mut() {
-                Some(part) if part.last() == Some(&from) => part.push(to),
-                _ => parts.push(vec![from, to]),
-            }
-        }
-    }
-    parts
-}
-
-/// The part of a straight line that lies in `area` (Liang and Barsky, 1984).
-fn clipped(from: Point, to: Point, area: Area) -> Option<(Point, Point)> {
-    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    let ways = [(from.0, to.0, area.left, area.right()), (from.1, to.1, area.top, area.bottom())];
-    for (start, end, low, high) in ways {
-        if start == end && !(low..=high).contains(&start) {
-            return None;
-        } else if start != end {
-            let [first, second] = [low, high].map(|edge| (edge - start) / (end - start));
-            enter = enter.max(first.min(second));
-            leave = leave.min(first.max(second));
-        }
-    }
-    let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
-    (enter <= leave).then(|| (if enter > 0.0 { at(enter) } else { from }, if leave < 1.0 { at(leave) } else { to }))
 }
 
 /// The same line in at most six points per column of pixels: first, last, and the outermost of each side.
@@ -247,21 +204,5 @@ mod tests {
         assert!(thinned(turn.iter().copied()).contains(&(0.0, 0.0)), "a turn within a column stays round");
         let sparse: Vec<Point> = (0..10).map(|i| (f64::from(i) * 3.0, 1.0)).collect();
         assert_eq!(thinned(sparse.iter().copied()), sparse);
-    }
-    #[test]
-    fn of_a_line_only_what_lies_in_the_panel_is_drawn() {
-        let area = Area { left: 0.0, top: 0.0, width: 10.0, height: 10.0 };
-        let parts = |points: &[Point]| inside(points.iter().copied(), area);
-        assert_eq!(parts(&[(-1e5, 5.0), (1e5, 5.0)]), [[(0.0, 5.0), (10.0, 5.0)]]);
-        assert_eq!(
-            parts(&[(2.0, 5.0), (4.0, 15.0), (6.0, 5.0), (7.0, 5.0)]),
-            [vec![(2.0, 5.0), (3.0, 10.0)], vec![(5.0, 10.0), (6.0, 5.0), (7.0, 5.0)]]
-        );
-        assert_eq!(parts(&[(-5.0, 3.0), (3.0, 13.0)]), [[(0.0, 9.25), (0.6, 10.0)]]);
-        assert_eq!(
-            parts(&[(2.0, -5.0), (12.0, 5.0), (f64::NAN, 5.0), (4.0, 4.0)]),
-            [vec![(7.0, 0.0), (10.0, 3.0)], vec![(4.0, 4.0)]]
-        );
-        assert!(parts(&[(-5.0, 8.0), (3.0, 16.0), (f64::NAN, 0.0), (11.0, 4.0)]).is_empty());
     }
 }

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::ends;
 use super::palette::Pen;
 
-/// Two numbers: a place in a panel, in the units of its axes, or on the page.
+/// Two numbers: a place in a panel, in the units of its axes, or on the bitmap.
 pub type Point = (f64, f64);
 
 /// A figure.

@@ -2,11 +2,12 @@
 
 use hpf_sim::cost::Term;
 use hpf_sim::task::{PerAxis, Task};
+use plotters::style::RGBColor;
 
 use super::axis::{Axis, Scale, span};
 use super::chart::{Figure, Layer, Mark, Panel, Point};
 use super::number::short;
-use super::palette::{BLACK, BLUE, BROWN, Colour, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILLION};
+use super::palette::{BLACK, BLUE, BROWN, GREEN, GREY, OLIVE, ORANGE, PURPLE, Pen, SKY, VERMILLION};
 use crate::results::{LearningRow, Run};
 
 /// How far below the smallest total a term is still shown: less matters to nobody.
@@ -30,7 +31,7 @@ fn of_motion(task: &Task, row: &LearningRow) -> Figure {
     let terms = Term::ALL.into_iter().enumerate().filter(|(i, term)| is_weighed(task, *term) && row.terms[*i] != 0.0);
     let terms = terms.map(|(i, term)| (Term::NAMES[i].replace('_', " "), row.terms[i], colour(term)));
     let all: Vec<_> = [("total".to_owned(), row.total, BLACK)].into_iter().chain(terms).collect();
-    let mark = |(i, (name, value, colour)): (usize, &(String, f64, Colour))| {
+    let mark = |(i, (name, value, colour)): (usize, &(String, f64, RGBColor))| {
         Layer::marks(Mark::Dot, vec![(i as f64, *value)], Pen::strong(*colour)).labelled(name)
     };
     let panel = Panel {
@@ -123,7 +124,7 @@ fn is_weighed(task: &Task, term: Term) -> bool {
     }
 }
 
-fn colour(term: Term) -> Colour {
+fn colour(term: Term) -> RGBColor {
     match term {
         Term::Goal => BLUE,
         Term::EndVelocity => SKY,

@@ -2,8 +2,8 @@
 
 use super::chart::{Figure, Layer, Point, Shape};
 use super::layout::{CAPITAL, SMALL};
-use super::page::{Anchor, Area, Page};
 use super::palette::{BLACK, Pen};
+use super::surface::{Anchor, Area, Surface};
 use super::text;
 
 /// Least distance of labels.
@@ -38,7 +38,7 @@ pub fn width(figure: &Figure) -> f64 {
 }
 
 /// Draws the labels beside `area`.
-pub fn draw(page: &mut Page, figure: &Figure, area: Area, map: &impl Fn(&Point) -> Point) {
+pub fn draw(surface: &mut dyn Surface, figure: &Figure, area: Area, map: &impl Fn(&Point) -> Point) {
     let tip = |layer: &Layer| match &layer.shape {
         Shape::Line(points) => points.iter().rev().map(map).find(|point| point.1.is_finite()),
         _ => None,
@@ -49,12 +49,13 @@ pub fn draw(page: &mut Page, figure: &Figure, area: Area, map: &impl Fn(&Point) 
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let places = apart(&ends.iter().map(|end| end.0).collect::<Vec<_>>(), (area.top, area.bottom()));
+    let all = surface.all();
     for ((tip, pen, label), y) in ends.into_iter().zip(places) {
         let (x, end) = (area.right() + 4.0, area.right() + LEADER);
         let bend = x + 0.5 * (end - x);
         let pen = Pen { width: pen.width.min(3.0), ..pen };
-        page.stroke(&[(x, tip), (bend, y), (end, y)], pen);
-        page.text(label, (end + GAP, y + 0.5 * CAPITAL * SMALL), SMALL, BLACK, Anchor::Start, false);
+        surface.stroke(&[(x, tip), (bend, y), (end, y)], pen, all);
+        surface.text(label, (end + GAP, y + 0.5 * CAPITAL * SMALL), SMALL, BLACK, Anchor::Start, false);
     }
 }
 

@@ -1,10 +1,10 @@
 //! Where everything goes in a figure.
 //!
-//! All sizes are in pixels of a page twice as fine as the figure is meant to be shown.
+//! All sizes are in pixels of a bitmap twice as fine as the figure is meant to be shown.
 
 use super::axis::{Scale, Tick};
 use super::chart::{Figure, Panel, Point};
-use super::page::Area;
+use super::surface::Area;
 use super::{ends, legend, text};
 
 const WIDTH: f64 = 1600.0;
@@ -45,7 +45,7 @@ const LEAST_ASPECT: f64 = 0.75;
 /// Places and ticks of a figure.
 pub struct Layout {
     /// Size of the figure.
-    pub size: (f64, f64),
+    pub size: (usize, usize),
     /// The box of each panel.
     pub boxes: Vec<Area>,
     /// Ticks of each vertical axis.
@@ -102,7 +102,7 @@ impl Layout {
             }
             None => (WIDTH, strip(left).0),
         };
-        Self { size: (right.ceil(), (bottom + FOOT).ceil()), boxes, y_ticks, x_ticks, legend }
+        Self { size: (right.ceil() as usize, (bottom + FOOT).ceil() as usize), boxes, y_ticks, x_ticks, legend }
     }
 }
 
@@ -169,8 +169,8 @@ mod tests {
             let panels = vec![panel((0.0, 100_000.0), (-1e-9, 1000.0)); count];
             let layout = Layout::new(&mut Figure::new("", panels));
             let (last, area) = (layout.x_ticks.last().unwrap(), layout.boxes[count - 1]);
-            assert!(area.right() + 0.5 * text::width(&last.label, SMALL) < layout.size.0);
-            assert!(area.left - widest(&layout.y_ticks[0]) > 0.0 && area.bottom() + FOOT <= layout.size.1);
+            assert!(area.right() + 0.5 * text::width(&last.label, SMALL) < layout.size.0 as f64);
+            assert!(area.left - widest(&layout.y_ticks[0]) > 0.0 && area.bottom() + FOOT <= layout.size.1 as f64);
             assert!(area.height >= LEAST_PANEL);
         }
     }

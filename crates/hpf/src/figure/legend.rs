@@ -3,8 +3,8 @@
 use super::canvas::draw_mark;
 use super::chart::{Layer, Point, Shape};
 use super::layout::SMALL;
-use super::page::{Anchor, Area, Page};
 use super::palette::{BLACK, GREY};
+use super::surface::{Anchor, Area, Surface};
 use super::text;
 
 /// Height of a row.
@@ -41,18 +41,22 @@ pub fn column(count: usize, corner: Point) -> Vec<Point> {
 }
 
 /// Draws one entry; `place` is the left end of its middle line.
-pub fn entry(page: &mut Page, layer: &Layer, place: Point) {
+pub fn entry(surface: &mut dyn Surface, layer: &Layer, place: Point) {
     let (x, y) = place;
     match &layer.shape {
-        Shape::Line(_) => page.stroke(&[(x, y.round()), (x + SAMPLE, y.round())], layer.pen),
-        Shape::Marks(mark, _) => draw_mark(page, *mark, (x + 0.5 * SAMPLE, y), layer.pen),
+        Shape::Line(_) => {
+            let all = surface.all();
+            let end = 0.5 * layer.pen.width;
+            surface.stroke(&[(x + end, y.round()), (x + SAMPLE - end, y.round())], layer.pen, all);
+        }
+        Shape::Marks(mark, _) => draw_mark(surface, *mark, (x + 0.5 * SAMPLE, y), layer.pen),
         Shape::Block(..) | Shape::Between(_) => {
-            page.fill(Area { left: x, top: y - 14.0, width: SAMPLE, height: 28.0 }, GREY);
-            page.fill(Area { left: x + 2.0, top: y - 12.0, width: SAMPLE - 4.0, height: 24.0 }, layer.pen.colour);
+            surface.fill(Area { left: x, top: y - 14.0, width: SAMPLE, height: 28.0 }, GREY);
+            surface.fill(Area { left: x + 2.0, top: y - 12.0, width: SAMPLE - 4.0, height: 24.0 }, layer.pen.colour);
         }
     }
     let label = layer.label.as_deref().unwrap_or_default();
-    page.text(label, (x + SAMPLE + GAP, y + 0.36 * SMALL), SMALL, BLACK, Anchor::Start, false);
+    surface.text(label, (x + SAMPLE + GAP, y + 0.36 * SMALL), SMALL, BLACK, Anchor::Start, false);
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 
 use hpf_sim::Trace;
 use hpf_sim::task::{Axis, Unit};
+use plotters::style::RGBColor;
 
-use super::palette::{BLUE, Colour, GREY, Pen, tint};
+use super::palette::{BLUE, GREY, Pen, tint};
 use crate::results::Run;
 
 /// Most earlier motions in one figure; of more, some are picked.
@@ -69,7 +70,7 @@ pub fn learned(run: &Run) -> Motion<'_> {
 }
 
 /// The grey of the `i`th of `count` earlier motions: the later, the darker.
-fn shade(i: usize, count: usize) -> Colour {
+fn shade(i: usize, count: usize) -> RGBColor {
     let share = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.0 };
     tint(GREY, 0.45 + 0.8 * share)
 }

@@ -1,54 +1,43 @@
 //! Colours and pens: the palette of Okabe and Ito (Color Universal Design, 2008), safe for colour-blind readers.
 
-use core::fmt;
-
-/// Red, green and blue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Colour(pub u8, pub u8, pub u8);
-
-/// As SVG has it.
-impl fmt::Display for Colour {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "#{:02x}{:02x}{:02x}", self.0, self.1, self.2)
-    }
-}
+use plotters::style::RGBColor;
 
 /// Learned, total, what matters most.
-pub const BLUE: Colour = Colour(0, 114, 178);
+pub const BLUE: RGBColor = RGBColor(0, 114, 178);
 /// Set-points, goals, references.
-pub const VERMILLION: Colour = Colour(213, 94, 0);
+pub const VERMILLION: RGBColor = RGBColor(213, 94, 0);
 /// Via points, bands that are allowed.
-pub const GREEN: Colour = Colour(0, 158, 115);
+pub const GREEN: RGBColor = RGBColor(0, 158, 115);
 /// Of the palette.
-pub const ORANGE: Colour = Colour(230, 159, 0);
+pub const ORANGE: RGBColor = RGBColor(230, 159, 0);
 /// Of the palette.
-pub const SKY: Colour = Colour(86, 180, 233);
+pub const SKY: RGBColor = RGBColor(86, 180, 233);
 /// Of the palette.
-pub const PURPLE: Colour = Colour(204, 121, 167);
+pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
 /// The palette's yellow, darkened until a line of it is seen on white.
-pub const OLIVE: Colour = Colour(150, 142, 20);
+pub const OLIVE: RGBColor = RGBColor(150, 142, 20);
 /// Beside the palette: darker than all of it.
-pub const BROWN: Colour = Colour(110, 58, 14);
+pub const BROWN: RGBColor = RGBColor(110, 58, 14);
 /// Neutral.
-pub const GREY: Colour = Colour(128, 128, 128);
+pub const GREY: RGBColor = RGBColor(128, 128, 128);
 /// Total, text.
-pub const BLACK: Colour = Colour(25, 25, 25);
+pub const BLACK: RGBColor = RGBColor(25, 25, 25);
 /// Paper.
-pub const WHITE: Colour = Colour(255, 255, 255);
+pub const WHITE: RGBColor = RGBColor(255, 255, 255);
 /// Notes that are not read first.
-pub const QUIET: Colour = Colour(100, 100, 100);
+pub const QUIET: RGBColor = RGBColor(100, 100, 100);
 /// Grid.
-pub const GRID: Colour = Colour(228, 228, 228);
+pub const GRID: RGBColor = RGBColor(228, 228, 228);
 /// Frame and ticks.
-pub const FRAME: Colour = Colour(90, 90, 90);
+pub const FRAME: RGBColor = RGBColor(90, 90, 90);
 /// What lies outside bounds.
-pub const SHADE: Colour = Colour(238, 238, 238);
+pub const SHADE: RGBColor = RGBColor(238, 238, 238);
 
 /// The rest time after a movement.
-pub const REST: Colour = Colour(243, 247, 252);
+pub const REST: RGBColor = RGBColor(243, 247, 252);
 
 /// Colours of things of one kind that are compared, in their order.
-const SERIES: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, OLIVE, GREY];
+const SERIES: [RGBColor; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, OLIVE, GREY];
 /// Most things of one kind that are told apart: every colour, whole and dashed.
 pub const MOST_SERIES: usize = 2 * SERIES.len();
 
@@ -56,7 +45,7 @@ pub const MOST_SERIES: usize = 2 * SERIES.len();
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
     /// Colour.
-    pub colour: Colour,
+    pub colour: RGBColor,
     /// Width [px].
     pub width: f64,
     /// Lengths of dash and gap [px].
@@ -65,12 +54,12 @@ pub struct Pen {
 
 impl Pen {
     /// The line that matters most.
-    pub const fn strong(colour: Colour) -> Self {
+    pub const fn strong(colour: RGBColor) -> Self {
         Self { colour, width: 6.0, dash: None }
     }
 
     /// A line beside others.
-    pub const fn plain(colour: Colour) -> Self {
+    pub const fn plain(colour: RGBColor) -> Self {
         Self { colour, width: 4.0, dash: None }
     }
 
@@ -81,18 +70,18 @@ impl Pen {
     }
 
     /// A reference, set-point or bound.
-    pub const fn dashed(colour: Colour) -> Self {
+    pub const fn dashed(colour: RGBColor) -> Self {
         Self { colour, width: 3.0, dash: Some((14.0, 8.0)) }
     }
 
     /// A thin line.
-    pub const fn thin(colour: Colour) -> Self {
+    pub const fn thin(colour: RGBColor) -> Self {
         Self { colour, width: 2.0, dash: None }
     }
 }
 
 /// `colour` mixed with white: `share` of it.
-pub fn tint(colour: Colour, share: f64) -> Colour {
+pub fn tint(colour: RGBColor, share: f64) -> RGBColor {
     let mix = |channel: u8| (255.0 + share * (f64::from(channel) - 255.0)).round() as u8;
-    Colour(mix(colour.0), mix(colour.1), mix(colour.2))
+    RGBColor(mix(colour.0), mix(colour.1), mix(colour.2))
 }
