@@ -8,6 +8,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
 venv="${HPF_VENV:-$CARGO_TARGET_DIR/python-venv}"
 python="$venv/bin/python"
+# Without build isolation pip looks for maturin where programs are.
+export PATH="$venv/bin:$PATH"
 if ! [ -x "$python" ]; then
     python3 -m venv "$venv" || skip "no Python with venv" "the Python package was not built"
 fi

@@ -149,8 +149,11 @@ def test_workers_change_no_number(reach: hpf.Task) -> None:
 
 
 LONG = """
+import signal
 import sys
 import hpf
+# What started the tests may have it ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 task = hpf.Task.load(sys.argv[1], learning={"method": "pi2", "updates": 200000, "rollouts": 20})
 print("begun", flush=True)
 try:
@@ -171,7 +174,10 @@ def test_ctrl_c_leaves_a_run_that_can_go_on(tmp_path: Path) -> None:
             assert line, "it ended by itself"
         child.send_signal(signal.SIGINT)
         begun = time.monotonic()
-        rest, _ = child.communicate(timeout=60)
+        try:
+            rest, _ = child.communicate(timeout=60)
+        finally:
+            child.kill()
         assert child.returncode == 130 and "interrupted" in rest
         assert time.monotonic() - begun < 20
     assert (out / "checkpoint").is_file()

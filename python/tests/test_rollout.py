@@ -218,9 +218,12 @@ def test_parameters_that_change_in_flight_are_refused(free: hpf.Task) -> None:
 
 
 SLOW = """
+import signal
 import sys
 import time
 import hpf
+# What started the tests may have it ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 task = hpf.Task.parse(open(sys.argv[1]).read(), cost=None, environment=hpf.CALLABLE)
 def slow(policy):
     sys.stdout.write("call\\n")
@@ -245,5 +248,8 @@ def test_ctrl_c_ends_a_callable_that_hangs(free: hpf.Task, tmp_path: Path, worke
         child.stdout.readline()
         time.sleep(0.2)
         child.send_signal(signal.SIGINT)
-        rest, _ = child.communicate(timeout=30)
+        try:
+            rest, _ = child.communicate(timeout=30)
+        finally:
+            child.kill()
         assert "interrupted" in rest and child.returncode == 130
