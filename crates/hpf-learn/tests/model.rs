@@ -1,8 +1,8 @@
 //! Learning from a model: one proposed motion at a time, within a radius of the cheapest, to the bit when told again.
 
 use hpf_learn::{
-    AutoOptions, Block, Cost, Draws, LearnError, Method, Model, Parameters, Problem, Proposal, Record, Session,
-    Settled, Stop, Wants, learn_with,
+    AutoOptions, Block, Cost, Draws, Exhausted, LearnError, Method, Model, Parameters, Problem, Proposal, Record,
+    Session, TerminationReason, Wants, learn_with,
 };
 
 /// The place of the least cost, found out from motions: `cost = (w - place)^2`, and a motion shows w - place.
@@ -119,7 +119,7 @@ fn each_motion_is_the_models_best_and_learning_ends_where_it_expects_no_gain() {
     .unwrap();
     assert_eq!(costs, [9.0, 0.0], "the start, then the place that the first motion told of");
     assert_eq!(history.rollouts, 2);
-    assert_eq!(history.stop, Stop::Settled(Exhausted::NothingExpected));
+    assert_eq!(history.stop, TerminationReason::Exhausted(Exhausted::NothingExpected));
 }
 
 #[test]
