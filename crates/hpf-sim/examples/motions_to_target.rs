@@ -36,6 +36,7 @@ impl Row {
             text = text.replace(from, to);
         }
         let [position, force] = self.noise;
+        text = text.lines().filter(|line| !line.starts_with("rest = ")).map(|line| format!("{line}\n")).collect();
         text += &format!("\n[recording]\nposition_noise = {position}\nforce_noise = {force}\n");
         let mut task = Task::parse(&text).unwrap_or_else(|found| panic!("{}: {found:?}", self.name));
         task.learning.method = hpf_sim::task::Method::Model;

@@ -99,7 +99,7 @@ fn one_elsewhere(text: &str, (from, to): (&str, &str), elsewhere: &str, message:
 #[test]
 fn an_unknown_key_names_the_nearest_one() {
     let keys = "the task takes: name, duration, rate, axis, phase, movement, stiffness, damping, admittance, \
-                environment, disturbance, contact, sensor, actuator, via_point, cost, learning, output, accept";
+                environment, disturbance, contact, sensor, actuator, recording, via_point, cost, learning, output, accept";
     let near = "unknown key `duratoin`, did you mean `duration`?";
     one(VIA_POINT, ("duration = 5.0", "duratoin = 5.0"), "duratoin", near, keys);
     one(VIA_POINT, ("[phase]", "[phases]"), "phases", "unknown key `phases`, did you mean `phase`?", keys);

@@ -1,8 +1,9 @@
 //! The best motion inside the model, near the best one made.
 //!
-//! Starts: the best motion made, and the last one planned. Where an axis may touch or leave something, the cost has kinks
-//! at which a straight descent stalls: the stiffness of what it touches then rises from a soft one to its own, each time
-//! from where the one before led. Where a via point may be passed at any time, it is passed at several given times first.
+//! Starts: the best motion made, and the last one planned. Where an axis may touch or leave something, also the first one;
+//! the cost then has kinks at which a straight descent stalls: the stiffness of what it touches rises from a soft one to its
+//! own, each time from where the one before led. Where a via point may be passed at any time, it is passed at several given
+//! times first.
 
 use hpf_learn::{Begin, Effort, Proposal};
 use rayon::prelude::*;
