@@ -79,7 +79,7 @@ impl<const D: usize> Loop for controller::Controller<f64, Vec<f64>, D> {
     }
 
     fn output(&self) -> PyCommand {
-        PyCommand::of(self.output())
+        PyCommand::of(&self.output())
     }
 
     fn set(&mut self, settings: &Settings, longest_step: f64) -> Result<(), ConfigError> {
