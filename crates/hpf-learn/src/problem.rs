@@ -215,8 +215,7 @@ pub trait Problem: Sync {
     /// parameters may differ by their number: by the noise of what is recorded.
     fn observe(
         &self,
-        draws: Draws,
-        number: usize,
+        (draws, number): (Draws, usize),
         parameters: Parameters<'_>,
         wants: Wants,
         workspace: &mut Self::Workspace,

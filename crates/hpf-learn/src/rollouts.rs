@@ -79,7 +79,7 @@ impl<P: Problem> RolloutPool<P> {
         costs.par_iter_mut().zip(signals).zip(&ask.samples).enumerate().for_each_init(
             || problem.workspace(),
             |workspace, (k, ((cost, signals), sample))| {
-                problem.observe(ask.draws, number + k, *sample, ask.wants, workspace, cost, signals);
+                problem.observe((ask.draws, number + k), *sample, ask.wants, workspace, cost, signals);
             },
         );
     }

@@ -90,8 +90,7 @@ impl Problem for Parabola {
 
     fn observe(
         &self,
-        draws: Draws,
-        _: usize,
+        (draws, _): (Draws, usize),
         parameters: Parameters<'_>,
         wants: Wants,
         workspace: &mut (),

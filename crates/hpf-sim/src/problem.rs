@@ -77,8 +77,7 @@ impl Problem for Simulation {
 
     fn observe(
         &self,
-        draws: Draws,
-        number: usize,
+        (draws, number): (Draws, usize),
         parameters: Parameters<'_>,
         wants: Wants,
         workspace: &mut Workspace,

@@ -70,8 +70,7 @@ fn shown(simulation: &Simulation, weights: &[f64]) -> Vec<f64> {
     let (mut cost, mut motion) = (Cost::default(), Vec::new());
     let parameters = Parameters::Constant(weights);
     simulation.observe(
-        Draws::Update(0),
-        0,
+        (Draws::Update(0), 0),
         parameters,
         Wants::Motion,
         &mut simulation.workspace(),

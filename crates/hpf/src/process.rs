@@ -361,8 +361,7 @@ impl Problem for Process<'_> {
 
     fn observe(
         &self,
-        draws: Draws,
-        _: usize,
+        (draws, _): (Draws, usize),
         parameters: Parameters<'_>,
         wants: Wants,
         motion: &mut Motion,

@@ -1,6 +1,6 @@
 //! Rollouts that are made outside of hpf, and in the same program.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use core::sync::atomic::{AtomicUsize, Ordering};
 
 use hpf::files::parse_task;
 use hpf::outside::{Answer, Broken, Kind, Maker, Measured, Motion};

@@ -55,6 +55,7 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the slope of a product is a sum")]
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.both(other, self.value * other.value, |a, b| a * other.value + self.value * b)
