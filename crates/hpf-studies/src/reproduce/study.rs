@@ -47,7 +47,7 @@ impl Variant {
             Self::MovingLoad => "cantilever_moving_load",
             Self::NoForceTerm => "cantilever_no_force_term",
             Self::PaperPi2 => "via_point_paper_pi2",
-            Self::Signals => "via_point_auto",
+            Self::Signals => "via_point_signals",
         }
     }
 
@@ -64,7 +64,7 @@ impl Variant {
             Self::PaperPi2 => {
                 &["learning.preset=paper", "learning.noise={ movement = 40.0, stiffness = 80.0, damping = 20.0 }"]
             }
-            Self::Signals => &["learning.method=auto", "learning.max_rollouts=200", "cost.rest=0"],
+            Self::Signals => &["learning.method=gauss-newton", "learning.max_rollouts=200", "cost.rest=0"],
         }
     }
 

@@ -29,7 +29,7 @@ pub fn variants(study: &Study) -> Vec<Claim> {
         ),
         claim(
             "Task 1",
-            "learned from signals (`method = \"auto\"`)",
+            "learned from signals (`method = \"gauss-newton\"`)",
             vec![
                 cost(signals),
                 motions(signals),
