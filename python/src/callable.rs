@@ -45,7 +45,7 @@ impl Callable {
     }
 
     /// What is said of `error`.
-    pub fn told(py: Python<'_>, error: &PyErr) -> String {
+    pub fn described(py: Python<'_>, error: &PyErr) -> String {
         let name = error.get_type(py).name().map_or_else(|_| "an exception".into(), |name| name.to_string());
         format!("the rollout raised {name}: {}", error.value(py))
     }
@@ -133,18 +133,18 @@ impl Callable {
             raised.get_or_insert(error);
         };
         thread::scope(|scope| {
-            let (told, answers) = channel();
+            let (sender, answers) = channel();
             for worker in 0..self.workers.min(motions.len()) {
-                let (told, take, call) = (told.clone(), &take, &call);
+                let (sender, take, call) = (sender.clone(), &take, &call);
                 scope.spawn(move || {
                     while let Some((k, motion)) = take() {
-                        if told.send((k, call(worker, motion))).is_err() {
+                        if sender.send((k, call(worker, motion))).is_err() {
                             break;
                         }
                     }
                 });
             }
-            drop(told);
+            drop(sender);
             loop {
                 match answers.recv_timeout(GLANCE) {
                     Ok((k, Ok(answer))) => found[k] = Some(answer),

@@ -415,7 +415,7 @@ impl PyController {
         self.wishes.push_back(Wish::Resume);
     }
 
-    /// Asks to come to rest on the path for good.
+    /// Asks to stop on the path; only a reset ends it.
     fn stop(&mut self) {
         self.wishes.push_back(Wish::Stop);
     }

@@ -102,7 +102,7 @@ pub fn work<T: Send>(
     callable: Option<&Callable>,
     work: impl FnOnce(&dyn Watch, Option<&dyn Maker>) -> T + Send,
 ) -> PyResult<Worked<T>> {
-    let (messages, told) = channel();
+    let (messages, inbox) = channel();
     let (answer, answers) = channel();
     let desk = Desk {
         messages: Mutex::new(messages.clone()),
@@ -128,7 +128,7 @@ pub fn work<T: Send>(
                 let _ = messages.send(Message::Done);
                 result.unwrap_or_else(|panic| Err(format!("a fault of hpf itself: {}", reason(&*panic))))
             });
-            let raised = serving.serve(&told);
+            let raised = serving.serve(&inbox);
             let result = handle.join().unwrap_or_else(|panic| Err(reason(&*panic).to_owned()));
             (result, raised)
         })
@@ -151,10 +151,10 @@ struct Serving<'d> {
 
 impl Serving<'_> {
     /// Serves until the work is done; returns what Python raised first.
-    fn serve(&self, told: &Receiver<Message>) -> Option<PyErr> {
+    fn serve(&self, inbox: &Receiver<Message>) -> Option<PyErr> {
         let mut raised = None;
         loop {
-            match told.recv_timeout(GLANCE) {
+            match inbox.recv_timeout(GLANCE) {
                 Ok(Message::Done) | Err(RecvTimeoutError::Disconnected) => break,
                 Ok(Message::Row(row)) => {
                     // Nothing more is shown of work that is to end.
@@ -172,7 +172,7 @@ impl Serving<'_> {
                                 self.ask(&mut raised, error);
                                 return Broken::Asked;
                             }
-                            let why = Callable::told(py, &error);
+                            let why = Callable::described(py, &error);
                             raised.get_or_insert(error);
                             Broken::Failed(why)
                         })

@@ -36,33 +36,33 @@ fn place(text: &str, diagnostic: &Diagnostic) -> (usize, usize) {
     (line, before.rsplit('\n').next().unwrap_or_default().chars().count() + 1)
 }
 
-/// The mistakes of a text, told as `told`.
-pub fn of_mistakes(py: Python<'_>, class: &str, file: Option<&str>, mistakes: &Mistakes, told: &str) -> PyErr {
+/// The mistakes of a text, with `message` for all of them.
+pub fn of_mistakes(py: Python<'_>, class: &str, file: Option<&str>, mistakes: &Mistakes, message: &str) -> PyErr {
     let places = mistakes.iter().map(|mistake| {
         let (line, column) = place(mistakes.text(), mistake);
         (file, Some(line), Some(column), mistake.message.as_str(), mistake.help.as_str())
     });
-    raise(py, class, told, places.collect())
+    raise(py, class, message, places.collect())
 }
 
 /// The mistakes of a recording.
 pub fn of_recording(py: Python<'_>, file: Option<&str>, mistakes: &[hpf_sim::demonstration::Mistake]) -> PyErr {
     let lines: Vec<String> = mistakes.iter().map(|mistake| format!("line {mistake}")).collect();
     let place = file.map_or_else(String::new, |file| format!("{file}: "));
-    let told = lines.iter().map(|line| format!("{place}{line}")).collect::<Vec<_>>().join("\n");
+    let message = lines.iter().map(|line| format!("{place}{line}")).collect::<Vec<_>>().join("\n");
     let places = mistakes.iter().map(|mistake| (file, Some(mistake.line as usize), None, mistake.message.as_str(), ""));
-    raise(py, "DemonstrationError", &told, places.collect())
+    raise(py, "DemonstrationError", &message, places.collect())
 }
 
 /// What is wrong with a policy file.
 pub fn of_policy(py: Python<'_>, file: Option<&str>, error: &PolicyError) -> PyErr {
     let text = error.to_string();
-    let told = file.map_or_else(|| text.clone(), |file| format!("{file}: {text}"));
+    let message = file.map_or_else(|| text.clone(), |file| format!("{file}: {text}"));
     let (line, column) = match error {
         PolicyError::Json { line, column, .. } => (Some(*line), Some(*column)),
         _ => (None, None),
     };
-    raise(py, "PolicyError", &told, vec![(file, line, column, &text, "")])
+    raise(py, "PolicyError", &message, vec![(file, line, column, &text, "")])
 }
 
 /// A failure of the library; `class` is of input that is wrong, where it is no list of mistakes.

@@ -24,10 +24,10 @@ fn choice<T: Copy>(what: &str, name: &str, allowed: &[(&str, T)]) -> PyResult<T>
     })
 }
 
-/// What `hpf.imitate` is told, beside the recordings.
+/// The options of `hpf.imitate`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Told {
+struct Options {
     name: Option<String>,
     path: String,
     fit: String,
@@ -46,7 +46,7 @@ struct Told {
     mass: f64,
 }
 
-impl Told {
+impl Options {
     fn follow(&self) -> PyResult<Follow> {
         choice("path", &self.path, &[("position", Follow::Position), ("reference", Follow::Reference)])
     }
@@ -110,9 +110,9 @@ pub fn _imitate(
     py: Python<'_>,
     sources: Vec<(String, String, Option<f64>)>,
     task: Option<&Bound<'_, PyTask>>,
-    told: &Bound<'_, PyAny>,
+    options: &Bound<'_, PyAny>,
 ) -> PyResult<PyRun> {
-    let told: Told = told.extract()?;
+    let options: Options = options.extract()?;
     let mut demonstrations = Vec::new();
     for (name, text, movement) in &sources {
         let read = Demonstration::parse(text);
@@ -130,7 +130,7 @@ pub fn _imitate(
             if demonstrations.is_empty() {
                 return Err(refuse("there is no demonstration".into()));
             }
-            let outline = told.outline(told.name.clone().unwrap_or_else(|| "demonstration".into()))?;
+            let outline = options.outline(options.name.clone().unwrap_or_else(|| "demonstration".into()))?;
             notes.extend(outline.note(&demonstrations));
             // As the program writes it, which applies its overrides.
             let text = overrides::apply(&outline.write(&demonstrations), &[]);
@@ -142,7 +142,7 @@ pub fn _imitate(
             Arc::new(prepared.map_err(|failure| errors::of(py, &failure, "TaskError", None))?)
         }
     };
-    let imitation = told.imitation()?;
+    let imitation = options.imitation()?;
     let loaded = &prepared.loaded;
     let made = py.detach(|| -> Result<Trial, String> {
         let imitated = imitation.of(&demonstrations, &loaded.task).map_err(|error| {

@@ -146,8 +146,8 @@ fn broken(py: Python<'_>, raised: Option<PyErr>, class: &str, text: &str, run: O
     let error = match raised {
         Some(raised) if Callable::is_interrupt(py, &raised) => raised,
         Some(raised) => {
-            let told = Callable::told(py, &raised);
-            let text = if text.contains(&told) { text.to_owned() } else { format!("{text}: {told}") };
+            let description = Callable::described(py, &raised);
+            let text = if text.contains(&description) { text.to_owned() } else { format!("{text}: {description}") };
             let error = errors::plain(py, class, &text);
             error.set_cause(py, Some(raised));
             error

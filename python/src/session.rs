@@ -24,7 +24,7 @@ use crate::task::PyTask;
 /// Learning by asking and telling: `ask()` for policies, make a motion with each, `tell()` what came of them.
 ///
 /// answers: "costs" or "trace", as hpf.learn has them for a callable; start: the hpf.Policy to learn from. What is saved is
-/// all that was told: a session that is loaded goes on to the same numbers.
+/// all answers so far: a session that is loaded goes on to the same numbers.
 #[pyclass(module = "hpf", name = "Session")]
 pub struct PySession {
     source: Arc<Source>,
@@ -33,7 +33,7 @@ pub struct PySession {
     session: Session,
     records: Vec<Record>,
     rows: Vec<LearningRow>,
-    /// What was asked for and is not told yet.
+    /// What was asked for and is not answered yet.
     asked: Option<(Vec<Motion>, Wants)>,
     /// Where it was saved to or loaded from.
     place: Option<PathBuf>,
@@ -115,7 +115,7 @@ impl PySession {
         Ok(Self { source: Arc::new(source), from, session, records, rows, asked: None, place: None })
     }
 
-    /// The policies to make a motion with, in their order; none where learning is over. The same until they are told.
+    /// The policies to make a motion with, in their order; none where learning is over. The same until they are answered.
     fn ask<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let asked = self.source.plan.ask(&mut self.session);
         let motions = asked.as_ref().map(|(motions, _)| motions.as_slice()).unwrap_or_default();
@@ -141,11 +141,11 @@ impl PySession {
         };
         let answers = answers.iter().enumerate().map(read).collect::<PyResult<Vec<_>>>()?;
         let (costs, signals) = self.source.plan.price(motions, *wants, answers).map_err(wrong)?;
-        let told = self.session.tell(&costs, &signals);
-        let told = told.map_err(|error| errors::plain(py, "LearningError", &error.to_string()))?;
+        let outcome = self.session.tell(&costs, &signals);
+        let outcome = outcome.map_err(|error| errors::plain(py, "LearningError", &error.to_string()))?;
         self.asked = None;
-        self.take(told.record, told.progress.as_ref());
-        match (&told.progress, self.rows.last()) {
+        self.take(outcome.record, outcome.progress.as_ref());
+        match (&outcome.progress, self.rows.last()) {
             (Some(_), Some(row)) => Ok(Some(crate::desk::evaluation(py, row)?)),
             _ => Ok(None),
         }
@@ -186,7 +186,7 @@ impl PySession {
         self.session.history().best.total
     }
 
-    /// Motions told so far.
+    /// Motions answered so far.
     #[getter]
     fn rollouts(&self) -> usize {
         self.session.history().rollouts
@@ -222,7 +222,7 @@ impl PySession {
         kind_name(self.source.plan.kind())
     }
 
-    /// Saves all that was told as the folder `path`, whole or not at all; over what this session saved there before, and
+    /// Saves all answers so far as the folder `path`, whole or not at all; over what this session saved there before, and
     /// with `force` over another one. Without a path: where it was saved last.
     #[pyo3(signature = (path = None, *, force = false))]
     fn save(&mut self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<()> {

@@ -325,7 +325,7 @@ impl PyTask {
     ) -> PyResult<Self> {
         let Changes { set, removed } = Changes::of(py, changes)?;
         let fail = |failure: Failure| errors::of(py, &failure, "TaskError", Some(name));
-        // Only with all changes is it what is meant; a text that is no TOML is told as it stands.
+        // Only with all changes is it what is meant; a text that is no TOML is reported as it stands.
         let loaded = match without(&text, &removed).and_then(|text| overrides::apply(&text, &set)) {
             Ok(text) => parse_task(text, name, folder, &[]),
             Err(failure) => parse_task(text, name, folder, &[]).and(Err(failure)),

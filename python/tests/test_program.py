@@ -19,8 +19,8 @@ def program(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_the_console_script_is_the_program() -> None:
-    told = program("--version")
-    assert told.returncode == 0 and told.stdout == f"hpf {hpf.__version__}\n"
+    printed = program("--version")
+    assert printed.returncode == 0 and printed.stdout == f"hpf {hpf.__version__}\n"
     assert program("check", str(TASKS / "reach.toml")).returncode == 0
 
 

@@ -1,4 +1,4 @@
-"""Sessions: asked, told, saved, loaded."""
+"""Sessions: asked, answered, saved, loaded."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 use std::io::{IsTerminal as _, stderr};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use hpf::escape::{line, shown};
@@ -72,46 +72,83 @@ impl Meter {
             }
         }
     }
+}
+
+/// What is shown of work that goes on.
+pub trait Shown {
+    /// Nothing is shown.
+    const QUIET: Self;
+
+    /// The bar that is to be taken away in the end, where there is one.
+    fn bar(self) -> Option<ProgressBar>;
+
+    /// Learning of `task` begins.
+    fn begun(&mut self, _task: &Task, _is_quiet: bool) {}
+
+    /// Learning has come so far.
+    fn evaluated(&mut self, _row: &LearningRow) {}
+}
+
+impl Shown for Meter {
+    const QUIET: Self = Self::Quiet;
+
+    fn bar(self) -> Option<ProgressBar> {
+        if let Self::Bar(bar) = self { Some(bar) } else { None }
+    }
+
+    fn begun(&mut self, task: &Task, is_quiet: bool) {
+        *self = Self::new(&task.name, task.learning.updates, task.learning.rollouts, is_quiet);
+    }
+
+    fn evaluated(&mut self, row: &LearningRow) {
+        self.show(row);
+    }
+}
+
+impl Shown for Tally {
+    const QUIET: Self = Self::Quiet;
+
+    fn bar(self) -> Option<ProgressBar> {
+        if let Self::Bar(bar) = self { Some(bar) } else { None }
+    }
+}
+
+/// Work as the terminal shows it, by a [`Meter`] or, of many runs, a [`Tally`]; signals end it.
+pub struct OnTerminal<M> {
+    is_quiet: bool,
+    shown: Mutex<M>,
+}
+
+impl<M: Shown> OnTerminal<M> {
+    /// From now on signals are noted. Where it `is_quiet`, only notes are printed.
+    pub fn new(is_quiet: bool) -> Self {
+        interrupt::watch();
+        Self { is_quiet, shown: Mutex::new(M::QUIET) }
+    }
+
+    fn shown(&self) -> MutexGuard<'_, M> {
+        self.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 
     /// Takes the bar away.
-    pub fn finish(self) {
-        if let Self::Bar(bar) = self {
+    pub fn finish(&self) {
+        if let Some(bar) = core::mem::replace(&mut *self.shown(), M::QUIET).bar() {
             bar.finish_and_clear();
         }
     }
 }
 
-/// Learning as the terminal shows it; signals end it.
-pub struct OnTerminal {
-    is_quiet: bool,
-    meter: Mutex<Meter>,
-}
-
-impl OnTerminal {
-    /// From now on signals are noted. Where it `is_quiet`, only notes are printed.
-    pub fn new(is_quiet: bool) -> Self {
-        interrupt::watch();
-        Self { is_quiet, meter: Mutex::new(Meter::Quiet) }
-    }
-
-    /// Takes the bar away.
-    pub fn finish(&self) {
-        core::mem::replace(&mut *self.meter.lock().unwrap_or_else(PoisonError::into_inner), Meter::Quiet).finish();
-    }
-}
-
-impl Watch for OnTerminal {
+impl<M: Shown + Send> Watch for OnTerminal<M> {
     fn note(&self, sentence: &str) {
         tell(sentence);
     }
 
     fn begun(&self, task: &Task) {
-        let meter = Meter::new(&task.name, task.learning.updates, task.learning.rollouts, self.is_quiet);
-        *self.meter.lock().unwrap_or_else(PoisonError::into_inner) = meter;
+        self.shown().begun(task, self.is_quiet);
     }
 
     fn evaluated(&self, row: &LearningRow) {
-        self.meter.lock().unwrap_or_else(PoisonError::into_inner).show(row);
+        self.shown().evaluated(row);
     }
 
     fn is_asked(&self) -> bool {
@@ -127,50 +164,13 @@ impl Watch for OnTerminal {
     }
 }
 
-/// Many runs as the terminal shows them: how many are done; signals end them.
-pub struct ManyOnTerminal {
-    is_quiet: bool,
-    tally: Mutex<Tally>,
-}
-
-impl ManyOnTerminal {
-    /// From now on signals are noted. Where it `is_quiet`, only notes are printed.
-    pub fn new(is_quiet: bool) -> Self {
-        interrupt::watch();
-        Self { is_quiet, tally: Mutex::new(Tally::Quiet) }
-    }
-
-    /// Takes the bar away.
-    pub fn finish(&self) {
-        core::mem::replace(&mut *self.tally.lock().unwrap_or_else(PoisonError::into_inner), Tally::Quiet).finish();
-    }
-}
-
-impl Watch for ManyOnTerminal {
-    fn note(&self, sentence: &str) {
-        tell(sentence);
-    }
-
-    fn is_asked(&self) -> bool {
-        interrupt::is_asked()
-    }
-
-    fn is_urgent(&self) -> bool {
-        interrupt::is_urgent()
-    }
-
-    fn hold(&self, is_held: bool) {
-        interrupt::hold(is_held);
-    }
-}
-
-impl StudyWatch for ManyOnTerminal {
+impl StudyWatch for OnTerminal<Tally> {
     fn planned(&self, name: &str, all: usize, done: usize) {
-        *self.tally.lock().unwrap_or_else(PoisonError::into_inner) = Tally::new(name, all, done, self.is_quiet);
+        *self.shown() = Tally::new(name, all, done, self.is_quiet);
     }
 
     fn run_ended(&self, name: &str, failure: Option<&str>) {
-        self.tally.lock().unwrap_or_else(PoisonError::into_inner).count(name, failure);
+        self.shown().count(name, failure);
     }
 }
 
@@ -231,13 +231,6 @@ impl Tally {
                     *last = Instant::now();
                 }
             }
-        }
-    }
-
-    /// Takes the bar away.
-    pub fn finish(self) {
-        if let Self::Bar(bar) = self {
-            bar.finish_and_clear();
         }
     }
 }

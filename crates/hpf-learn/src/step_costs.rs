@@ -20,11 +20,10 @@ mod factor;
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt as _;
 
-use crate::gauss_newton::{Exhausted, GaussNewtonOptions};
 use crate::noise::stream;
 use crate::response::{Point, Response, bend_plan};
 use crate::step::step;
-use crate::{Block, SignalGroup, SignalModel};
+use crate::{Block, Exhausted, GaussNewtonOptions, SignalGroup, SignalModel};
 use factor::{Differences, factor, locate};
 
 /// Points beside the base where slopes are learned too; a step's cost is learned as one square more than these.

@@ -20,7 +20,7 @@ pub enum Temperature {
     EffectiveSize(f64),
 }
 
-/// Largest h looked for: beyond it a rollout a hundredth of the range dearer than the cheapest weighs nothing.
+/// Largest h looked for: beyond it a rollout that costs a hundredth of the range more than the cheapest weighs nothing.
 const MOST_SHARPNESS: f64 = 1e5;
 /// Halvings that leave nothing between 0 and that.
 const SHARPNESS_HALVINGS: usize = 64;

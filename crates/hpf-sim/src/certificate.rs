@@ -54,7 +54,7 @@ const INSTANTS: usize = 64;
 
 /// What one axis can do at worst.
 ///
-/// The reference is that of the movement and of one duration after it, in which it comes to rest.
+/// The reference is that of the movement and of one duration after it, in which it settles at the goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
     /// First time at which the schedule of gains is not passive from rest, with inertia as without [s].

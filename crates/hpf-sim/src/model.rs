@@ -16,6 +16,7 @@ mod plan;
 mod record;
 mod safety;
 mod spline;
+mod touch;
 mod wall;
 mod zero;
 

@@ -68,7 +68,7 @@ impl Problem for Simulation {
         cost: &mut Cost,
         signals: &mut Vec<f64>,
     ) {
-        self.measure_draws(draws, parameters, workspace, cost, signals);
+        self.observe_draws((draws, 0), parameters, Wants::Signals, workspace, cost, signals);
     }
 
     fn model(&self) -> Option<Box<dyn Model>> {

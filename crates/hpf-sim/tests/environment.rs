@@ -173,7 +173,7 @@ fn against_the_wall(t: f64) -> f64 {
 fn impact_and_release_are_resolved_inside_the_step() {
     for rate in [50.0, 100.0, 1000.0] {
         let trace = run(&task(rate, &(wall(REST + GAP, WALL, "above", 0.0) + &push(10.0))));
-        // By 1.2 s the tool has come to rest (exp(-72)); the crossings are found to the last bit of the step.
+        // By 1.2 s the tool stands still (exp(-72)); the crossings are found to the last bit of the step.
         let error = distance(&trace, against_the_wall);
         assert!(error < 1e-13, "{rate}: {error:e}");
     }

@@ -31,9 +31,8 @@ fn a_via_point_without_a_time_is_passed_whatever_sample_is_nearest_at_first() {
 
 #[test]
 fn a_hard_wall_is_pressed() {
-    // CMA-ES ends at 1.23, PI2 at 1.41; an independent optimizer found 1.057, which is not reached.
     let cost = learned(include_str!("data/learning/wall_hard.toml"), 100).1;
-    assert!(cost <= 1.2, "{cost}");
+    assert!(cost <= 1.01 * 1.057, "{cost}");
 }
 
 #[test]

@@ -262,7 +262,7 @@ class Session:
         self, task: Task, *, answers: _Kind = "costs", start: Policy | None = None, seed: int | None = None
     ) -> None: ...
     def ask(self) -> list[Policy]:
-        """The policies to make a motion with; none where learning is over. The same until they are told."""
+        """The policies to make a motion with; none where learning is over. The same until they are answered."""
 
     def tell(self, answers: Iterable[_Answer]) -> Evaluation | None:
         """Tells what came of them, an answer each. Returns the evaluation where one was complete."""
@@ -288,7 +288,7 @@ class Session:
     @property
     def answers(self) -> _Kind: ...
     def save(self, path: _Path | None = None, *, force: bool = False) -> None:
-        """Saves all that was told as a folder, whole or not at all."""
+        """Saves all answers so far as a folder, whole or not at all."""
 
     @staticmethod
     def load(path: _Path) -> Session:
@@ -437,5 +437,5 @@ def resume(
 def load(path: _Path) -> Run:
     """Reads a run directory. Raises RunError."""
 
-def _imitate(sources: list[tuple[str, str, float | None]], task: Task | None, told: Mapping[str, Any]) -> Run: ...
+def _imitate(sources: list[tuple[str, str, float | None]], task: Task | None, options: Mapping[str, Any]) -> Run: ...
 def _main(arguments: Sequence[str]) -> int: ...

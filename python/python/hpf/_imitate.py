@@ -53,7 +53,7 @@ def imitate(
     each: Sequence[Recording] = recordings if many else [recordings]  # type: ignore[assignment]
     sources = [_table(one, i, time, axes, unit) for i, one in enumerate(each)]
     is_outlined = task is None
-    told = {
+    options = {
         "name": name if name is not None else (_name(each[0]) if is_outlined else None),
         "path": path,
         "fit": fit,
@@ -71,7 +71,7 @@ def imitate(
         "damping_ratio": damping_ratio,
         "mass": mass_kg,
     }
-    return _imitate(sources, task, told)
+    return _imitate(sources, task, options)
 
 
 def _name(recording: Recording) -> str | None:

@@ -10,7 +10,7 @@ use hpf_studies::benchmark::{History, Study, figures, json, markdown};
 
 use crate::cli::{Benchmark, Common};
 use crate::outcome::Outcome;
-use crate::progress::ManyOnTerminal;
+use crate::progress::{OnTerminal, Tally};
 use crate::terminal::say;
 
 /// The version whose results a history gets.
@@ -32,7 +32,7 @@ pub fn benchmark(options: &Benchmark, common: &Common) -> Result<Outcome, Failur
     make_folder(&folder)?;
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
-    let terminal = ManyOnTerminal::new(common.quiet);
+    let terminal = OnTerminal::<Tally>::new(common.quiet);
     let study = Study::learn(&options.task, seeds, options.motions, &terminal);
     terminal.finish();
     let Some(study) = study? else { return Ok(Outcome::Interrupted) };

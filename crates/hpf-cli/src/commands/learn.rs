@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::cli::{Common, Learn};
 use crate::outcome::Outcome;
-use crate::progress::OnTerminal;
+use crate::progress::{Meter, OnTerminal};
 use crate::render;
 use crate::terminal::{say, tell};
 
@@ -34,7 +34,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     };
     job.loaded.notes.iter().for_each(|note| tell(&format!("note: {note}")));
     let task = job.loaded.task.clone();
-    let terminal = OnTerminal::new(common.quiet);
+    let terminal = OnTerminal::<Meter>::new(common.quiet);
     let finished = job.learn(&terminal);
     terminal.finish();
     let Finished { learned, summary, failures, files, place } = finished?;

@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::cli::{Common, Reproduce};
 use crate::outcome::Outcome;
-use crate::progress::ManyOnTerminal;
+use crate::progress::{OnTerminal, Tally};
 use crate::render;
 use crate::terminal::say;
 
@@ -39,7 +39,7 @@ pub fn reproduce(options: &Reproduce, common: &Common) -> Result<Outcome, Failur
     }
     let first = common.seed.unwrap_or(1);
     let seeds = (first..first.saturating_add(options.seeds.into())).collect();
-    let terminal = ManyOnTerminal::new(common.quiet);
+    let terminal = OnTerminal::<Tally>::new(common.quiet);
     let study = Study::learn(seeds, &terminal);
     terminal.finish();
     let Some(study) = study? else { return Ok(Outcome::Interrupted) };

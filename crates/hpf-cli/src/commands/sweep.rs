@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::cli::{Common, Sweep};
 use crate::outcome::Outcome;
-use crate::progress::ManyOnTerminal;
+use crate::progress::{OnTerminal, Tally};
 use crate::sweep_table;
 use crate::terminal::say;
 
@@ -20,7 +20,7 @@ const MOST_SHOWN: usize = 10;
 /// Runs `hpf sweep`.
 pub fn sweep(options: &Sweep, common: &Common) -> Result<Outcome, Failure> {
     let started = Instant::now();
-    let terminal = ManyOnTerminal::new(common.quiet);
+    let terminal = OnTerminal::<Tally>::new(common.quiet);
     let request = Request {
         task: options.task.clone(),
         seeds: options.seeds,

@@ -19,7 +19,7 @@ use crate::instructions::{Instructions, NullaryFnOnce};
 use crate::weighting::{Pack, Ranking, Scale};
 use crate::{Cost, Temperature};
 
-/// Costs of steps from which on threads share an update: fewer are dearer to hand over than to work on.
+/// Costs of steps from which on threads share an update: fewer cost more time to hand over than to work on.
 const SHARED: usize = 16_000;
 /// Tiles in which one thread compares rollouts of all groups at a time, where that takes long.
 const TILES: usize = 8;

@@ -1,4 +1,4 @@
-//! How near a motion comes to a via point that may be passed at any time.
+//! The least distance of a motion to a via point that may be passed at any time.
 
 use crate::task::ViaPoint;
 use crate::trace::Trace;

@@ -2,8 +2,8 @@
 //!
 //! Starts: the best motion made, and the last one planned. Where an axis may touch or leave something, also the first one;
 //! the cost then has kinks at which a straight descent stalls: the stiffness of what it touches rises from a soft one to its
-//! own, each time from where the one before led. Where a via point may be passed at any time, it is passed at several given
-//! times first.
+//! own, each time from where the one before led, and the best is tried with a touch at another time ([`super::touch`]).
+//! Where a via point may be passed at any time, it is passed at several given times first.
 
 use hpf_learn::{Begin, Effort, Proposal};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use super::inside::Inside;
 /// Stiffnesses beside that of the policy that something touched is given on the way to its own.
 const LADDER: [f64; 9] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 const ROUGH: Effort = Effort { steps: 12, least_gain: 1e-3 };
-const FINE: Effort = Effort { steps: 60, least_gain: 1e-6 };
+pub(super) const FINE: Effort = Effort { steps: 60, least_gain: 1e-6 };
 /// Times at which a via point without one is passed at first, evenly over the motion.
 const MOMENTS: usize = 7;
 /// The pull back into the radius grows so often, by so much.
@@ -67,6 +67,7 @@ impl EnvironmentModel {
             })
             .collect();
         let best = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let best = if softened.is_empty() { best } else { self.at_another_time(&own, best) };
         let (weights, expected) = self.within(anchor, radius, best, before, &own);
         let (weights, mut expected) = if expected < before { (weights, expected) } else { (anchor.to_vec(), before) };
         let planned = self.within_limits(anchor, weights.clone(), &own)?;

@@ -9,7 +9,6 @@ use hpf_learn::{Cost, Distance, Draws, Parameters, SignalGroup, SignalModel, Wan
 use super::scenario::{Scenario, Set};
 use super::{Simulation, Workspace};
 use crate::metrics::{Metric, over_draws};
-use crate::model::flatten;
 
 /// The signals of `draws` motions, axis by axis, from the model of one motion.
 pub(super) fn repeated(model: SignalModel, draws: usize) -> SignalModel {
@@ -85,18 +84,6 @@ impl Simulation {
         (workspace.scenarios, workspace.costs) = (kept, own);
     }
 
-    /// Makes a rollout in every draw and writes what it cost and the signals it measured.
-    pub(crate) fn measure_draws(
-        &self,
-        draws: Draws,
-        parameters: Parameters<'_>,
-        workspace: &mut Workspace,
-        cost: &mut Cost,
-        signals: &mut Vec<f64>,
-    ) {
-        self.observe_draws((draws, 0), parameters, Wants::Signals, workspace, cost, signals);
-    }
-
     /// Makes rollout `number` in every draw and writes what it cost and what is wanted of it, as recorded.
     pub(crate) fn observe_draws(
         &self,
@@ -122,15 +109,13 @@ impl Simulation {
                 _ => add_mean(cost, &one, i == 0, count),
             }
             match wants {
-                Wants::Motion => {
-                    own.clear();
-                    flatten(trace, self.priced_samples(), own);
-                }
-                Wants::Signals | Wants::Costs => self.signals_into(trace, own),
+                Wants::Motion => self.motion_into(trace, own),
+                Wants::Signals => self.signals_into(trace, own),
+                Wants::Costs => own.clear(),
             }
         }
         signals.clear();
-        if wants == Wants::Motion {
+        if wants != Wants::Signals {
             signals.extend(own.iter().flatten());
             return;
         }
