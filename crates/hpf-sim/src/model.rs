@@ -28,7 +28,7 @@ use crate::simulation::{Planned, Simulation};
 use choice::AxisEnvironment;
 use family::{COEFFICIENTS, FINE_COEFFICIENTS, Family};
 use fit::{Fitting, Made};
-pub(crate) use record::{Record, flatten};
+use record::Record;
 
 /// Most steps of a motion that is modelled: fits take time in proportion.
 const MOST_STEPS: usize = 5_000;

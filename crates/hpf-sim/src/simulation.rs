@@ -300,7 +300,9 @@ impl Simulation {
     /// contact, each at every sample.
     pub fn motion_into(&self, trace: &Trace, motion: &mut Vec<f64>) {
         motion.clear();
-        crate::model::flatten(trace, self.priced_samples(), motion);
+        let contact = trace.contact.as_ref().map(|contact| [&contact.deviation, &contact.force]);
+        let signals = trace.axes.iter().map(|axis| [&axis.position, &axis.force]).chain(contact);
+        signals.flatten().for_each(|signal| motion.extend(&signal[..self.priced_samples()]));
     }
 
     /// The names of the cost's terms, in the order of its columns.

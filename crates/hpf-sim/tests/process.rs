@@ -34,6 +34,8 @@ fn a_process_is_the_whole_environment() {
     let wall = "[contact]\nkind = \"wall\"\naxis = \"x\"\nposition = 0.2\nstiffness = 1e3\nforce = 1.0\n";
     assert!(messages(&format!("{POINT_MASS}{wall}")).iter().any(|message| message.contains("`contact` is simulated")));
     assert!(messages(&format!("{POINT_MASS}[output]\nsnapshots = [0]\n"))[0].contains("is simulated"));
+    let noise = format!("{POINT_MASS}[recording]\nforce_noise = 0.1\n");
+    assert!(messages(&noise)[0].contains("`recording` is simulated"));
 }
 
 #[test]

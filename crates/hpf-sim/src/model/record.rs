@@ -1,7 +1,6 @@
 //! What a model reads of a motion: position and force of every axis, deviation and force of the contact.
 
 use crate::simulation::Simulation;
-use crate::trace::Trace;
 
 /// A recorded motion.
 pub(crate) struct Record<'m> {
@@ -17,20 +16,8 @@ pub(super) fn size(simulation: &Simulation) -> usize {
     signals * simulation.priced_samples()
 }
 
-/// Appends the first `samples` of the motion of `trace`.
-pub(crate) fn flatten(trace: &Trace, samples: usize, motion: &mut Vec<f64>) {
-    for axis in &trace.axes {
-        motion.extend(&axis.position[..samples]);
-        motion.extend(&axis.force[..samples]);
-    }
-    if let Some(contact) = &trace.contact {
-        motion.extend(&contact.deviation[..samples]);
-        motion.extend(&contact.force[..samples]);
-    }
-}
-
 impl<'m> Record<'m> {
-    /// What [`flatten`] wrote.
+    /// What [`Simulation::motion_into`] wrote.
     pub(super) fn read(simulation: &Simulation, motion: &'m [f64]) -> Self {
         let samples = simulation.priced_samples();
         let mut signals = motion.chunks_exact(samples);

@@ -368,6 +368,7 @@ impl Rules<'_, '_, '_> {
             ("contact", task.contact.is_some()),
             ("sensor", task.sensor.is_some()),
             ("actuator", task.actuator.is_some()),
+            ("recording", task.recording.is_some()),
             ("output.snapshots", !task.snapshots().is_empty()),
         ] {
             if given {
