@@ -211,3 +211,43 @@ fn ctrl_c_keeps_the_finished_runs_and_the_sweep_goes_on_later() {
     let (stdout, _) = expect(0, folder.path(), &arguments);
     assert!(stdout.contains(&format!("40 of 40 runs finished, 0 failed, {finished} were there before")), "{stdout}");
 }
+
+#[test]
+fn shards_learn_the_runs_of_a_sweep_between_them_and_the_sweep_joins_them() {
+    let folder = folder();
+    let (first, _) = sweep(0, folder.path(), &["--quiet", "--shard", "1/3"]);
+    assert!(first.contains("learned 2 of 2 runs of the shard"), "{first}");
+    assert!(!folder.path().join("s/results.csv").exists(), "a shard has no tables");
+    let (third, _) = sweep(0, folder.path(), &["--quiet", "--shard", "3/3", "--json"]);
+    let third: Value = serde_json::from_str(&third).unwrap();
+    assert_eq!((&third["runs"], &third["kept"]), (&1.into(), &0.into()));
+    sweep(0, folder.path(), &["--quiet", "--shard", "2/3"]);
+    let (again, _) = sweep(0, folder.path(), &["--quiet", "--shard", "1/3"]);
+    assert!(again.contains("2 of them before"), "{again}");
+
+    let (joined, _) = sweep(0, folder.path(), &["--quiet"]);
+    assert!(joined.contains("4 of 4 runs finished"), "{joined}");
+    let s = folder.path().join("s");
+    let hidden = fs::read_dir(&s)
+        .unwrap()
+        .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().starts_with('.'));
+    assert_eq!(hidden.count(), 0, "no lock is left");
+    fs::rename(&s, folder.path().join("joined")).unwrap();
+    sweep(0, folder.path(), &["--quiet"]);
+    for run in ["5/seed-1", "5/seed-2", "20/seed-1", "20/seed-2"] {
+        let policy = |sweep: &str| {
+            read(folder.path().join(sweep).join(format!("runs/learning.noise.movement={run}/policy.json")))
+        };
+        assert_eq!(policy("joined"), policy("s"), "{run}");
+    }
+}
+
+#[test]
+fn what_is_no_shard_is_refused_with_what_is_one() {
+    let folder = folder();
+    for shard in ["0/4", "5/4", "3", "1/0"] {
+        let (_, stderr) = sweep(2, folder.path(), &["--shard", shard]);
+        assert!(stderr.contains("such as 3/16"), "{stderr}");
+    }
+    assert!(!folder.path().join("s").exists());
+}

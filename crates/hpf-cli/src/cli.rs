@@ -12,6 +12,7 @@ use crate::choice::Choice;
 use crate::style::ColorChoice;
 use hpf::export::{Format, Precision};
 use hpf::figure;
+use hpf_studies::sweep::Shard;
 
 /// Learn, run and inspect compliant robot skills: motion, stiffness and damping in one.
 #[derive(Debug, Parser)]
@@ -53,10 +54,13 @@ Examples:
   hpf sweep tasks/via_point.toml --seeds 20
   hpf sweep tasks/via_point.toml --seeds 10 --vary learning.noise.movement=3,10,30
   hpf sweep tasks/cantilever.toml --vary learning.method=pi2,auto --vary 'contact.curve=\"tip_load\",\"moving_load\"'
+  hpf sweep tasks/via_point.toml --seeds 20 --shard 3/16   # on the third of 16 machines
 
 Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and a directory per run in runs/. The same \
 command goes on where it was broken off: finished runs are kept, failed ones are tried again. Seeds count up from --seed. \
---force learns all runs again. Exit code 1 where a run failed, else 3 where one missed a target.";
+--force learns all runs again. Shards may write to one folder at once; with disks of their own, put their runs/ into one. \
+The same command without --shard then keeps all runs and writes the tables. Exit code 1 where a run failed, else 3 where \
+one missed a target.";
 
 const REPRODUCE_EXAMPLES: &str = "\
 Examples:
@@ -339,6 +343,9 @@ pub struct Sweep {
     /// Keep snapshots, log and plots of every run too
     #[arg(long)]
     pub full: bool,
+    /// Learn only every N-th run, from the I-th on, and leave the tables to the sweep without this option
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
 }
 
 /// `hpf reproduce`

@@ -1,27 +1,24 @@
 //! One task learned many times: with several seeds, and with every combination of some settings.
 //!
 //! The plan says which runs there are and where each belongs; the work learns those that are not there yet; the outcome
-//! is read back from their directories, so that it does not matter when a run was made.
+//! is read back from their directories, so that it does not matter when a run was made, nor where.
 
 mod figures;
 mod outcome;
 mod plan;
+mod shard;
 mod work;
 
-use std::fs::{self, File};
 use std::path::Path;
 
 use hpf::failure::Failure;
-use hpf::files::{self, make_folder, read_text, while_writing};
-use hpf::nodes;
-use serde_json::{Value, json};
+use hpf::files;
+use serde_json::Value;
 
 use self::outcome::Outcome;
 pub use self::plan::{Factor, Job, Plan, Request, Setting};
+pub use self::shard::Shard;
 use crate::many::StudyWatch;
-
-/// The file that a sweep under way holds locked; one that was broken off leaves it.
-const LOCK: &str = ".lock";
 
 /// A sweep that is done, or was asked to end.
 pub struct Swept {
@@ -48,8 +45,8 @@ pub struct Swept {
 /// [`Failure::Input`] where other results are in the way, before anything is learned; [`Failure`] where results cannot be
 /// read or written.
 pub fn sweep(plan: &Plan, folder: &Path, full: bool, force: bool, watch: &dyn StudyWatch) -> Result<Swept, Failure> {
-    let lock = claim(folder)?;
-    let done = work::learn_all(plan, folder, full, force, watch)?;
+    let claim = shard::claim(folder, None)?;
+    let done = work::learn_all(plan, None, folder, full, force, watch)?;
     let outcome = Outcome::read(plan, &done, folder)?;
 
     let mut files = vec!["results.csv".to_owned(), "summary.json".to_owned()];
@@ -63,8 +60,7 @@ pub fn sweep(plan: &Plan, folder: &Path, full: bool, force: bool, watch: &dyn St
             Err(failure) => failures.push(failure),
         }
     }
-    drop(lock);
-    fs::remove_file(folder.join(LOCK)).map_err(while_writing(folder))?;
+    claim.give_up()?;
     Ok(Swept {
         summary,
         files,
@@ -76,21 +72,39 @@ pub fn sweep(plan: &Plan, folder: &Path, full: bool, force: bool, watch: &dyn St
     })
 }
 
-/// Makes the directory of a sweep, or takes the one of a sweep that is there, for as long as the lock is held.
-fn claim(folder: &Path) -> Result<File, Failure> {
-    let refuse = |why: &str| Err(Failure::Input(format!("{} {why}", folder.display())));
-    let is_empty = fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-    let summary = read_text(&folder.join("summary.json")).unwrap_or_default();
-    let summary: Value = serde_json::from_str(&summary).unwrap_or_default();
-    let is_sweep = summary["format"] == json!("hpf-sweep") || folder.join(LOCK).is_file();
-    if !(is_empty && !folder.is_file() || is_sweep) {
-        return refuse("is no sweep and is left as it is; pass another --out");
-    }
-    make_folder(folder)?;
-    let path = folder.join(LOCK);
-    let lock = nodes::replaceable(&path).and_then(|()| File::create(&path)).map_err(while_writing(&path))?;
-    match lock.try_lock() {
-        Ok(()) => Ok(lock),
-        Err(_) => refuse("belongs to a sweep that is going on; wait for it, or pass another --out"),
-    }
+/// A share of a sweep that is done, or was asked to end.
+pub struct SweptShard {
+    /// Runs of the share.
+    pub runs: usize,
+    /// Those that were there before.
+    pub kept: usize,
+    /// Whether the watch asked to end.
+    pub interrupted: bool,
+    /// The runs that failed: directory and reason.
+    pub failed: Vec<(String, String)>,
+}
+
+/// Learns the runs of `plan` that belong to `shard` and are not finished in `folder`; as [`sweep`] otherwise. The tables
+/// and figures are written by [`sweep`], which keeps the runs that all shards have left in `folder`.
+///
+/// # Errors
+/// As [`sweep`].
+pub fn sweep_shard(
+    plan: &Plan,
+    shard: Shard,
+    folder: &Path,
+    full: bool,
+    force: bool,
+    watch: &dyn StudyWatch,
+) -> Result<SweptShard, Failure> {
+    // What is claimed stays marked as a part of a sweep.
+    let _claim = shard::claim(folder, Some(shard))?;
+    let done = work::learn_all(plan, Some(shard), folder, full, force, watch)?;
+    let failed = plan.jobs.iter().zip(done.failures);
+    Ok(SweptShard {
+        runs: (0..plan.jobs.len()).filter(|&run| shard.has(run)).count(),
+        kept: done.kept,
+        interrupted: done.interrupted,
+        failed: failed.filter_map(|(job, why)| Some((job.directory.display().to_string(), why?))).collect(),
+    })
 }

@@ -10,6 +10,7 @@ use hpf::trial::{self, Broken};
 use serde_json::{Value, json};
 
 use super::plan::{Job, Plan};
+use super::shard::Shard;
 use crate::many::{OneOfMany, StudyWatch, side_by_side};
 
 /// What became of the runs of a plan.
@@ -58,13 +59,22 @@ fn standing(job: &Job, folder: &Path, full: bool) -> Standing {
     if full && !directory.join("log.mcap").exists() { Standing::Nothing } else { Standing::Finished }
 }
 
-/// Learns every run of `plan` that is not finished in `folder`; with `force`, every run.
+/// Learns every run of `plan`, or of `shard`, that is not finished in `folder`; with `force`, every run.
 ///
 /// # Errors
 /// [`Failure::Input`] where other results are in the way and `force` is not given, before anything is learned.
-pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, watch: &dyn StudyWatch) -> Result<Done, Failure> {
+pub fn learn_all(
+    plan: &Plan,
+    shard: Option<Shard>,
+    folder: &Path,
+    full: bool,
+    force: bool,
+    watch: &dyn StudyWatch,
+) -> Result<Done, Failure> {
+    let is_ours = |index: usize| shard.is_none_or(|shard| shard.has(index));
+    let all = (0..plan.jobs.len()).filter(|&index| is_ours(index)).count();
     let mut waiting = Vec::new();
-    for (index, job) in plan.jobs.iter().enumerate() {
+    for (index, job) in plan.jobs.iter().enumerate().filter(|(index, _)| is_ours(*index)) {
         match standing(job, folder, full) {
             Standing::Finished if !force => {}
             Standing::Other(why) if !force => {
@@ -77,9 +87,9 @@ pub fn learn_all(plan: &Plan, folder: &Path, full: bool, force: bool, watch: &dy
             _ => waiting.push(index),
         }
     }
-    let kept = plan.jobs.len() - waiting.len();
+    let kept = all - waiting.len();
     let failures = Mutex::new(vec![None; plan.jobs.len()]);
-    watch.planned(&plan.task, plan.jobs.len(), kept);
+    watch.planned(&plan.task, all, kept);
     side_by_side(waiting.len(), watch, |index| {
         let index = waiting[index];
         let job = &plan.jobs[index];
