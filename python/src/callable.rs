@@ -1,4 +1,4 @@
-//! A Python callable as the environment: a policy in, a trace or costs out.
+//! A Python callable as the environment: a policy in, a trace, residuals or costs out.
 
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use core::time::Duration;
@@ -194,7 +194,13 @@ pub fn probe(
             Err(error) => return failed(py, error).map(|_| None),
         }
     };
-    let kind = if signal(&answer, "position")?.is_some() { Kind::Trace } else { Kind::Costs };
+    let kind = if signal(&answer, "position")?.is_some() {
+        Kind::Trace
+    } else if let Some(list) = residuals(&answer)? {
+        Kind::Residuals(list.len())
+    } else {
+        Kind::Costs
+    };
     match read(&answer, kind)? {
         Answer::Failed(_) => Ok(None),
         answer => Ok(Some((answer, kind))),
@@ -215,7 +221,8 @@ fn signal<'py>(answer: &Bound<'py, PyAny>, name: &str) -> PyResult<Option<Bound<
     answer.getattr_opt(name)
 }
 
-/// Reads an answer of `kind`: a number, N costs, (N costs, end), or position, velocity and force by time and axis.
+/// Reads an answer of `kind`: a number, N costs, (N costs, end), residuals, or position, velocity and force by time and
+/// axis.
 ///
 /// # Errors
 /// TypeError or ValueError that says what belongs there.
@@ -224,6 +231,7 @@ pub fn read(answer: &Bound<'_, PyAny>, kind: Kind) -> PyResult<Answer> {
     let is_finite = match &answer {
         Answer::Total(cost) => cost.is_finite(),
         Answer::Steps(costs, end) => end.is_finite() && costs.iter().all(|cost| cost.is_finite()),
+        Answer::Residuals(residuals) => residuals.iter().all(|residual| residual.is_finite()),
         Answer::Trace(_) | Answer::Failed(_) => true,
     };
     Ok(if is_finite { answer } else { Answer::Failed("its cost is not finite".into()) })
@@ -243,6 +251,9 @@ fn read_numbers(answer: &Bound<'_, PyAny>, kind: Kind) -> PyResult<Answer> {
     if let Some(position) = signal(answer, "position")? {
         return trace(answer, &position);
     }
+    if let Some(residuals) = residuals(answer)? {
+        return Ok(Answer::Residuals(residuals));
+    }
     if let Ok(pair) = answer.cast::<PyTuple>()
         && pair.len() == 2
         && let Ok(end) = pair.get_item(1)?.extract::<f64>()
@@ -260,8 +271,14 @@ fn read_numbers(answer: &Bound<'_, PyAny>, kind: Kind) -> PyResult<Answer> {
     let wanted = match kind {
         Kind::Costs => "a cost, N costs of the steps or (costs, cost of the end)",
         Kind::Trace => "hpf.Trace(position, velocity, force)",
+        Kind::Residuals(_) => "hpf.Residuals(values)",
     };
     Err(PyTypeError::new_err(format!("the rollout returned {}, where {wanted} belongs", answer.get_type().name()?)))
+}
+
+/// The residuals of an answer that has such.
+fn residuals(answer: &Bound<'_, PyAny>) -> PyResult<Option<Vec<f64>>> {
+    signal(answer, "residuals")?.map(|list| numbers(&list)).transpose()
 }
 
 /// A list of numbers from anything that is one.
@@ -269,7 +286,7 @@ fn numbers(list: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let array = as_array(list)?;
     if array.ndim() != 1 {
         let shape = array.shape();
-        return Err(PyValueError::new_err(format!("costs of shape {shape:?}, where (N,) belongs, one per step")));
+        return Err(PyValueError::new_err(format!("numbers of shape {shape:?}, where (N,) belongs")));
     }
     Ok(array.to_vec()?)
 }

@@ -31,20 +31,26 @@ pub fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Costs => "costs",
         Kind::Trace => "trace",
+        Kind::Residuals(_) => "residuals",
     }
 }
 
-/// The kind of this name.
-pub fn kind_of(name: &str) -> PyResult<Kind> {
-    let found = [Kind::Costs, Kind::Trace].into_iter().find(|kind| kind_name(*kind) == name);
-    found.ok_or_else(|| PyValueError::new_err(format!("answers must be \"costs\" or \"trace\", not {name:?}")))
+/// The kind of this name; `residuals` is how many there are.
+pub fn kind_of(name: &str, residuals: usize) -> PyResult<Kind> {
+    let found =
+        [Kind::Costs, Kind::Trace, Kind::Residuals(residuals)].into_iter().find(|kind| kind_name(*kind) == name);
+    found.ok_or_else(|| {
+        PyValueError::new_err(format!("answers must be \"costs\", \"trace\" or \"residuals\", not {name:?}"))
+    })
 }
 
 /// `task` as one whose rollouts are made outside of hpf.
 pub fn outside(py: Python<'_>, task: &PyTask, kind: Kind, workers: usize) -> PyResult<PyTask> {
-    let name = kind_name(kind);
-    let environment =
-        format!("environment={{ kind = \"process\", command = [\"{CALLABLE}\", \"{name}\"], workers = {workers} }}");
+    let mut command = format!("\"{CALLABLE}\", \"{}\"", kind_name(kind));
+    if let Kind::Residuals(count) = kind {
+        command += &format!(", \"{count}\"");
+    }
+    let environment = format!("environment={{ kind = \"process\", command = [{command}], workers = {workers} }}");
     task.changed(&[environment], &[]).map_err(|failure| {
         let help = "The callable is the whole environment: Task.load(..., contact=None, disturbance=None) leaves out what \
                     hpf would simulate.";
@@ -55,8 +61,12 @@ pub fn outside(py: Python<'_>, task: &PyTask, kind: Kind, workers: usize) -> PyR
 /// The kind of the answers of a run whose rollouts a callable made; `None` of any other.
 pub fn kind_of_run(task: &Task) -> Option<Kind> {
     let Some(Environment::Process(process)) = &task.environment else { return None };
-    let [program, kind] = &process.command[..] else { return None };
-    (program == CALLABLE).then(|| kind_of(kind).ok()).flatten()
+    let (program, kind, residuals) = match &process.command[..] {
+        [program, kind] => (program, kind, 0),
+        [program, kind, residuals] => (program, kind, residuals.parse().ok()?),
+        _ => return None,
+    };
+    (program == CALLABLE).then(|| kind_of(kind, residuals).ok()).flatten()
 }
 
 /// What the policies of learning `task` share, and what that learns from.
@@ -106,8 +116,9 @@ fn with_callable(
     (workers, is_batch): (usize, bool),
 ) -> PyResult<(PyTask, Callable)> {
     let fits = |kind: &Kind| kind.misfit(task.task()).is_none();
-    let kinds: Vec<Kind> = [Kind::Trace, Kind::Costs].into_iter().filter(fits).collect();
-    let wanted = answers.map(kind_of).transpose()?;
+    let kinds: Vec<Kind> = [Kind::Trace, Kind::Costs, Kind::Residuals(0)].into_iter().filter(fits).collect();
+    // How many residuals there are the first motion tells.
+    let wanted = answers.map(|name| kind_of(name, 0)).transpose()?;
     let of_kind = |kind: Kind| -> PyResult<(PyTask, Arc<Source>)> {
         let task = outside(py, task, kind, workers)?;
         let start = start.cloned();
@@ -115,14 +126,14 @@ fn with_callable(
         Ok((task, Arc::new(source)))
     };
     let known = wanted.or(if let [kind] = kinds[..] { Some(kind) } else { None });
-    match known {
+    match known.filter(|kind| !matches!(kind, Kind::Residuals(_))) {
         Some(kind) => {
             let (task, source) = of_kind(kind)?;
             Ok((task, Callable::new(function, source, is_batch, workers)))
         }
         None => {
             // Whether its motions have signals decides how a session begins: the first motion tells, and counts.
-            let (_, source) = of_kind(Kind::Trace)?;
+            let (_, source) = of_kind(kinds.first().copied().unwrap_or(Kind::Trace))?;
             let mut session = session(&source).map_err(|failure| task.error(py, &failure))?;
             let asked = source.plan.ask(&mut session).and_then(|(motions, _)| motions.into_iter().next());
             let Some(motion) = asked else { return Err(PyValueError::new_err("nothing is to be learned")) };
@@ -131,9 +142,13 @@ fn with_callable(
                 .map_err(|error| broken(py, Some(error), "RolloutError", "the first rollout failed", None))?;
             let Some((answer, kind)) = probed else {
                 let message = "the first rollout failed, so that nobody knows what the answers are: pass answers=\"trace\" \
-                               or \"costs\"";
+                               or \"costs\", or begin with a motion that succeeds";
                 return Err(errors::plain(py, "RolloutError", message));
             };
+            if known.is_some() && !matches!(kind, Kind::Residuals(_)) {
+                let message = format!("the rollout returned {}, where hpf.Residuals belongs", kind.words());
+                return Err(errors::plain(py, "RolloutError", &message));
+            }
             let (task, source) = of_kind(kind)?;
             let callable = Callable::new(function, source, is_batch, workers);
             Ok((task, callable.having_made(motion, answer)))
@@ -170,7 +185,7 @@ fn broken(py: Python<'_>, raised: Option<PyErr>, class: &str, text: &str, run: O
 ///
 /// rollout: a callable that is the environment, in place of the simulation (docs/python.md). It takes an hpf.Policy, with
 /// batch=True a list of them, and returns for each a total cost, N costs of the steps, (N costs, cost of the end), or an
-/// hpf.Trace; answers: "costs" or "trace" where the first rollout is not to tell. A rollout that fails raises
+/// hpf.Trace or hpf.Residuals; answers: "costs", "trace" or "residuals" where the first rollout is not to tell. A rollout that fails raises
 /// hpf.RolloutFailed and is rejected; any other exception ends learning as hpf.RolloutError, with what was learned in its
 /// `run`.
 ///

@@ -23,8 +23,9 @@ use crate::task::PyTask;
 
 /// Learning by asking and telling: `ask()` for policies, make a motion with each, `tell()` what came of them.
 ///
-/// answers: "costs" or "trace", as hpf.learn has them for a callable; start: the hpf.Policy to learn from. What is saved is
-/// all answers so far: a session that is loaded goes on to the same numbers.
+/// answers: "costs", "trace" or "residuals", as hpf.learn has them for a callable; residuals: how many, where answers are
+/// such; start: the hpf.Policy to learn from. What is saved is all answers so far: a session that is loaded goes on to the
+/// same numbers.
 #[pyclass(module = "hpf", name = "Session")]
 pub struct PySession {
     source: Arc<Source>,
@@ -93,15 +94,20 @@ impl PySession {
 #[pymethods]
 impl PySession {
     #[new]
-    #[pyo3(signature = (task, *, answers = "costs", start = None, seed = None))]
+    #[pyo3(signature = (task, *, answers = "costs", residuals = None, start = None, seed = None))]
     fn new(
         py: Python<'_>,
         task: &Bound<'_, PyTask>,
         answers: &str,
+        residuals: Option<usize>,
         start: Option<&Bound<'_, PyPolicy>>,
         seed: Option<u64>,
     ) -> PyResult<Self> {
-        let kind = kind_of(answers)?;
+        let kind = kind_of(answers, residuals.unwrap_or(0))?;
+        if matches!(kind, Kind::Residuals(_)) != residuals.is_some_and(|count| count > 0) {
+            let message = "residuals is how many there are, 1 or more, and belongs to answers=\"residuals\"";
+            return Err(PyValueError::new_err(message));
+        }
         let seed: Vec<String> = seed.map(|seed| format!("learning.seed={seed}")).into_iter().collect();
         let task = task.get();
         let task = task.changed(&seed, &[]).map_err(|failure| task.error(py, &failure))?;
@@ -249,10 +255,7 @@ impl PySession {
         let task = &self.prepared().loaded.task;
         let cost = hpf::words::number(history.best.total);
         let state = if self.done() { ", over" } else { "" };
-        let kind = match self.source.plan.kind() {
-            Kind::Costs => "costs",
-            Kind::Trace => "traces",
-        };
+        let kind = self.source.plan.kind().words();
         format!(
             "<hpf.Session of {:?}, told {kind}: cost {cost}, {} updates, {} motions{state}>",
             task.name, history.updates, history.rollouts

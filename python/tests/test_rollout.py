@@ -173,6 +173,42 @@ def test_other_answers_than_before_and_short_batches_are_named(free: hpf.Task) -
         hpf.learn(free, rollout=lambda policies: [1.0], batch=True)
 
 
+def residuals(policy: hpf.Policy) -> hpf.Residuals:
+    """Linear in the weights of the movement: the least half square is known."""
+    weights = policy.weights[:20]
+    return hpf.Residuals(np.concatenate([weights - 3.0, weights + 1.0]))
+
+
+def test_residuals_are_learned_from_one_by_one(free: hpf.Task, tmp_path: Path) -> None:
+    task = free.replace(cost=None, environment=hpf.CALLABLE, learning={"method": "gauss-newton", "max_rollouts": 300})
+    run = hpf.learn(task, rollout=residuals, out=tmp_path / "run")
+    # 20 weights, each at the mean of 3 and -1: 20 (2^2 + 2^2)/2.
+    assert run.cost == pytest.approx(80.0, rel=1e-3)
+    assert hpf.learn(task, rollout=residuals, answers="residuals").policy == run.policy
+    batch = hpf.learn(task, rollout=lambda policies: [residuals(policy) for policy in policies], batch=True)
+    assert batch.policy == run.policy
+
+    session = hpf.Session(task, answers="residuals", residuals=40)
+    while policies := session.ask():
+        session.tell([{"residuals": residuals(policy).residuals} for policy in policies])
+    assert session.policy.weights.tolist() == run.policy.weights.tolist()
+    session.save(tmp_path / "session")
+    assert hpf.Session.load(tmp_path / "session").answers == "residuals"
+
+
+def test_residuals_that_do_not_fit_are_named(free: hpf.Task) -> None:
+    task = free.replace(cost=None, environment=hpf.CALLABLE)
+    counts = chain([2], repeat(3))
+    with pytest.raises(hpf.RolloutError, match="3 residuals, where 2 were answered before"):
+        hpf.learn(task, rollout=lambda policy: hpf.Residuals(np.zeros(next(counts))))
+    with pytest.raises(hpf.RolloutError, match="returned costs, where hpf.Residuals belongs"):
+        hpf.learn(task, rollout=lambda policy: 1.0, answers="residuals")
+    with pytest.raises(ValueError, match="residuals is how many"):
+        hpf.Session(task, answers="residuals")
+    with pytest.raises(ValueError, match="residuals is how many"):
+        hpf.Session(task, residuals=3)
+
+
 def test_a_motion_that_fails_is_rejected_and_learning_goes_on(free: hpf.Task) -> None:
     calls = 0
 

@@ -1,40 +1,21 @@
 //! Rollouts made outside of hpf and in the same program: by a function, a binding to a simulator, a person with a robot.
 //!
 //! The task has an `[environment]` as one whose rollouts a process makes ([`crate::process`]), and the same answers: costs,
-//! or traces. A [`Plan`] is what can be known without a motion, and prices answers; a [`Maker`] makes the motions that
+//! traces or residuals. A [`Plan`] is what can be known without a motion, and prices answers; a [`Maker`] makes the motions that
 //! learning asks for, a whole batch at a time.
 
 use core::cell::RefCell;
 use core::slice;
 
 use hpf_learn::{Block, Cost, Draws, LearnError, Model, Parameters, Problem, Session, SignalModel, TellOutcome, Wants};
-use hpf_sim::task::{Accept, CostWeights, ExplorationKind, Method, Preset, Task};
+use hpf_sim::task::{ExplorationKind, Method, Preset, Task};
 use hpf_sim::{Simulation, Trace};
 
+pub use crate::answers::Kind;
+use crate::answers::half_square;
 use crate::failure::Failure;
 use crate::learning::Steps;
 use crate::watch::Watch;
-
-/// What rollouts are answered with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// A total, or the cost of each step.
-    Costs,
-    /// Positions, velocities and forces, of which hpf makes costs and signals.
-    Trace,
-}
-
-impl Kind {
-    /// Why answers of this kind do not go with `task`.
-    pub fn misfit(self, task: &Task) -> Option<&'static str> {
-        let (has_targets, has_weights) = (task.accept != Accept::default(), task.cost != CostWeights::default());
-        match self {
-            Self::Costs if has_targets => Some("answers with costs, and the targets of [accept] need traces"),
-            Self::Trace if !has_weights => Some("answers with traces, and no term of [cost] has a weight"),
-            _ => None,
-        }
-    }
-}
 
 /// A motion that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +46,22 @@ pub enum Answer {
     Steps(Vec<f64>, f64),
     /// What was measured, axis by axis.
     Trace(Vec<Measured>),
+    /// Numbers, half the sum of whose squares is the cost.
+    Residuals(Vec<f64>),
     /// Nothing, and why: the rollout is rejected.
     Failed(String),
+}
+
+impl Answer {
+    /// What it is, in words.
+    fn words(&self) -> &'static str {
+        match self {
+            Self::Total(_) | Self::Steps(..) => "costs",
+            Self::Trace(_) => "a trace",
+            Self::Residuals(_) => "residuals",
+            Self::Failed(_) => "a failure",
+        }
+    }
 }
 
 /// Why motions were not made.
@@ -77,9 +72,6 @@ pub enum Broken {
     /// No more motions can be made, and why.
     Failed(String),
 }
-
-/// What an answer is that is not of the kind before.
-const OTHER_KIND: &str = "costs, where traces were answered before";
 
 /// Who makes motions.
 pub trait Maker: Sync {
@@ -98,6 +90,8 @@ pub trait Maker: Sync {
 pub struct Plan {
     simulation: Simulation,
     kind: Kind,
+    /// The signals of a rollout, where answers are residuals.
+    residuals: Option<SignalModel>,
 }
 
 impl Plan {
@@ -120,7 +114,7 @@ impl Plan {
                 "parameters that change at every step are no policy: set learning.exploration to \"rollout\"",
             );
         }
-        Ok(Self { simulation: simulation.clone(), kind })
+        Ok(Self { simulation: simulation.clone(), kind, residuals: kind.residual_model(simulation.blocks()) })
     }
 
     /// The simulation of motions as planned.
@@ -181,14 +175,23 @@ impl Plan {
                 self.show(&trace, wants, &mut signals);
                 self.simulation.cost(&trace)
             }
+            (Kind::Residuals(count), Answer::Residuals(residuals)) => {
+                if residuals.len() != count {
+                    return Err(format!("{} residuals, where {count} were answered before", residuals.len()));
+                }
+                let terminal = half_square(&residuals);
+                signals = if wants == Wants::Costs { Vec::new() } else { residuals };
+                Cost { terminal, ..blank() }
+            }
             (kind, Answer::Failed(_)) => {
-                if kind == Kind::Trace {
-                    self.show(&self.simulation.rollout(&motion.weights), wants, &mut signals);
+                match kind {
+                    Kind::Trace => self.show(&self.simulation.rollout(&motion.weights), wants, &mut signals),
+                    Kind::Residuals(count) if wants != Wants::Costs => signals = vec![0.0; count],
+                    Kind::Residuals(_) | Kind::Costs => {}
                 }
                 Cost { terminal: f64::NAN, ..blank() }
             }
-            (Kind::Costs, Answer::Trace(_)) => return Err("a trace, where costs were answered before".into()),
-            (Kind::Trace, _) => return Err(OTHER_KIND.into()),
+            (kind, answer) => return Err(format!("{}, where {} were answered before", answer.words(), kind.words())),
         };
         Ok((cost, signals))
     }
@@ -263,7 +266,11 @@ impl Problem for Plan {
     }
 
     fn signals(&self) -> Option<&SignalModel> {
-        if self.kind == Kind::Trace { Problem::signals(&self.simulation) } else { None }
+        match self.kind {
+            Kind::Trace => Problem::signals(&self.simulation),
+            Kind::Residuals(_) => self.residuals.as_ref(),
+            Kind::Costs => None,
+        }
     }
 
     fn model(&self) -> Option<Box<dyn Model>> {
@@ -340,7 +347,7 @@ impl<'m> Outside<'m> {
                 if is_finite { Ok(trace) } else { Err("its trace has no finite cost".into()) }
             }
             Some(Answer::Failed(why)) => Err(why),
-            Some(_) => Err(OTHER_KIND.into()),
+            Some(answer) => Err(format!("{}, where {} were answered before", answer.words(), Kind::Trace.words())),
             None => Err(self.failure().unwrap_or_else(|| "it was asked to end".into())),
         }
     }

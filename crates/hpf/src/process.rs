@@ -13,12 +13,13 @@ use core::time::Duration;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use hpf_learn::{Block, Cost, Draws, Model, Parameters, Problem, SignalGroup, SignalModel, Wants};
+use hpf_learn::{Block, Cost, Draws, Model, Parameters, Problem, SignalModel, Wants};
 use hpf_sim::task::{Process as Settings, Task};
 use hpf_sim::{Policy, Simulation, Trace};
 
-use self::protocol::{Answer, Kind};
+use self::protocol::Answer;
 use self::worker::{PARTING, Worker};
+use crate::answers::{Kind, half_square};
 use crate::failure::Failure;
 use crate::watch::Watch;
 
@@ -83,31 +84,6 @@ fn start_all(
     }
 }
 
-/// Why answers of `kind` do not go with `task`.
-fn misfit(kind: Kind, task: &Task) -> Option<&'static str> {
-    let has_targets = task.accept != hpf_sim::task::Accept::default();
-    let has_weights = task.cost != hpf_sim::task::CostWeights::default();
-    match kind {
-        Kind::Costs if has_targets => Some("answers with costs, and the targets of [accept] need traces"),
-        Kind::Residuals(_) if has_targets => Some("answers with residuals, and the targets of [accept] need traces"),
-        Kind::Trace if !has_weights => Some("answers with traces, and no term of [cost] has a weight"),
-        _ => None,
-    }
-}
-
-/// What is known of residuals: nothing but that each may answer to every parameter.
-fn residual_model(kind: Kind, blocks: &[Block]) -> Option<SignalModel> {
-    let Kind::Residuals(count) = kind else { return None };
-    let parameters = blocks.iter().map(|block| block.count).sum();
-    let group = SignalGroup { parameters: 0..parameters, signals: 0..count };
-    Some(SignalModel { groups: vec![group], price: vec![Vec::new(); blocks.len()], distances: Vec::new() })
-}
-
-/// Half the sum of the squares of `residuals`.
-fn half_square(residuals: &[f64]) -> f64 {
-    0.5 * residuals.iter().map(|residual| residual * residual).sum::<f64>()
-}
-
 impl<'s> Process<'s> {
     /// Starts the workers of `task`; `policy` is the one that learning starts from.
     ///
@@ -124,7 +100,7 @@ impl<'s> Process<'s> {
         watch.hold(true);
         let hello = protocol::Hello::new(task, policy);
         let mut workers: Vec<Worker> = (1..=settings.workers).map(Worker::new).collect();
-        let started = start_all(&mut workers, settings, &hello, watch).and_then(|kind| match misfit(kind, task) {
+        let started = start_all(&mut workers, settings, &hello, watch).and_then(|kind| match kind.misfit(task) {
             Some(why) => Err(format!("`{}` {why}", settings.command[0])),
             None => Ok(kind),
         });
@@ -143,7 +119,7 @@ impl<'s> Process<'s> {
             settings: settings.clone(),
             hello,
             kind,
-            residuals: residual_model(kind, simulation.blocks()),
+            residuals: kind.residual_model(simulation.blocks()),
             free: Mutex::new(workers),
             freed: Condvar::new(),
             next: AtomicU64::new(1),

@@ -36,7 +36,7 @@ from hpf.errors import (
     TaskError,
     WorkError,
 )
-from hpf.records import Evaluation, History, Metric, Trace
+from hpf.records import Evaluation, History, Metric, Residuals, Trace
 
 CALLABLE: Final = {"kind": "process", "command": ["(a Python callable)"]}
 """The environment of a task whose rollouts a callable makes, as in ``Task.load(path, environment=hpf.CALLABLE)``: it needs
@@ -64,6 +64,7 @@ __all__ = [
     "Session",
     "Task",
     "TaskError",
+    "Residuals",
     "Trace",
     "WorkError",
     "__version__",

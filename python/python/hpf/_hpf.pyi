@@ -8,15 +8,17 @@ import pandas
 from numpy.typing import ArrayLike, NDArray
 
 from hpf.errors import RolloutFailed
-from hpf.records import Evaluation, History, Metric, Trace
+from hpf.records import Evaluation, History, Metric, Residuals, Trace
 
 __version__: str
 
 _Path: TypeAlias = Union[str, PathLike[str]]
 _Array: TypeAlias = NDArray[np.float64]
 _PerAxis: TypeAlias = Union[float, Sequence[float], NDArray[np.floating[Any]]]
-_Kind: TypeAlias = Literal["costs", "trace"]
-_Answer: TypeAlias = Union[float, ArrayLike, tuple[ArrayLike, float], Trace, Mapping[str, ArrayLike], RolloutFailed]
+_Kind: TypeAlias = Literal["costs", "trace", "residuals"]
+_Answer: TypeAlias = Union[
+    float, ArrayLike, tuple[ArrayLike, float], Trace, Residuals, Mapping[str, ArrayLike], RolloutFailed
+]
 _Rollout: TypeAlias = Union[Callable[[Policy], _Answer], Callable[[list[Policy]], Iterable[_Answer]]]
 _Progress: TypeAlias = Union[bool, Callable[[Evaluation], object], None]
 
@@ -259,7 +261,13 @@ class Session:
     """Learning by asking and telling: ``ask()`` for policies, make a motion with each, ``tell()`` what came of them."""
 
     def __init__(
-        self, task: Task, *, answers: _Kind = "costs", start: Policy | None = None, seed: int | None = None
+        self,
+        task: Task,
+        *,
+        answers: _Kind = "costs",
+        residuals: int | None = None,
+        start: Policy | None = None,
+        seed: int | None = None,
     ) -> None: ...
     def ask(self) -> list[Policy]:
         """The policies to make a motion with; none where learning is over. The same until they are answered."""

@@ -79,6 +79,17 @@ class Trace:
     """Force of the environment on the tool [N or N m]."""
 
 
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """What a rollout of the caller's own left of a least-squares problem: half the sum of the squares is the cost.
+
+    As many in every rollout. A number that is not finite makes it a motion that failed.
+    """
+
+    residuals: ArrayLike
+    """The residuals, of shape (residuals,): each in units of its own tolerance."""
+
+
 def metrics(rows: Iterable[tuple[str, float, str, float | None, bool | None]]) -> dict[str, Metric]:
     """Measures by name."""
     return {row[0]: Metric(*row) for row in rows}

@@ -9,6 +9,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
+use crate::answers::Kind;
+
 /// Version of the protocol.
 pub const VERSION: u32 = 1;
 /// Most characters of a line, or of what a process says of an error, shown in a message.
@@ -17,17 +19,6 @@ const SHOWN: usize = 120;
 const ENVELOPE: usize = 1 << 16;
 /// Bytes of a number of an answer with what stands around it, at most: full digits take 26.
 const NUMBER: usize = 32;
-
-/// What the answers of a worker contain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// A total, or the cost of each step.
-    Costs,
-    /// Positions, velocities and forces, of which hpf makes costs and signals.
-    Trace,
-    /// So many numbers, half the sum of whose squares is the cost.
-    Residuals(usize),
-}
 
 /// The first message to every worker, without its number.
 pub struct Hello {

@@ -11,7 +11,7 @@ use std::time::Instant;
 use hpf_sim::task::Process as Settings;
 
 use super::group::Group;
-use super::protocol::{self, Hello, Kind};
+use super::protocol::{self, Hello};
 use crate::watch::{Nobody, Watch};
 
 /// Time in which a process should end after its input was closed, before it is signaled.
