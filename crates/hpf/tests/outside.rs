@@ -62,6 +62,7 @@ impl Maker for Planned {
             let trace = self.simulation.rollout(&motion.weights);
             Ok(match self.kind {
                 Kind::Costs => Answer::Total(self.simulation.cost(&trace).total()),
+                Kind::Residuals(_) => Answer::Residuals(vec![(2.0 * self.simulation.cost(&trace).total()).sqrt()]),
                 Kind::Trace => Answer::Trace(
                     trace
                         .axes
@@ -76,8 +77,8 @@ impl Maker for Planned {
 }
 
 #[test]
-fn costs_and_traces_of_a_maker_are_learned_from() {
-    for kind in [Kind::Costs, Kind::Trace] {
+fn costs_traces_and_residuals_of_a_maker_are_learned_from() {
+    for kind in [Kind::Costs, Kind::Trace, Kind::Residuals(1)] {
         let loaded = parse_task(TASK.into(), "task", "".as_ref(), &[]).unwrap();
         let start = Policy::initial(&loaded.task).unwrap();
         let maker = Planned::new(kind, 0);

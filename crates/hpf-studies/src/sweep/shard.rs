@@ -3,9 +3,9 @@
 //! A sweep holds its lock file for as long as it goes on; a shard has a lock file of its own, so that shards go on side by
 //! side in a folder they share. The lock file of a shard stays, as a mark that the folder belongs to a sweep.
 
+use core::str::FromStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use hpf::failure::Failure;
 use hpf::files::{make_folder, read_text, while_writing};

@@ -12,6 +12,7 @@ use hpf_sim::task::Process as Settings;
 
 use super::group::Group;
 use super::protocol::{self, Hello};
+use crate::answers::Kind;
 use crate::watch::{Nobody, Watch};
 
 /// Time in which a process should end after its input was closed, before it is signaled.
