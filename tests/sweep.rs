@@ -251,3 +251,21 @@ fn what_is_no_shard_is_refused_with_what_is_one() {
     }
     assert!(!folder.path().join("s").exists());
 }
+
+#[test]
+fn variants_of_a_task_are_set_beside_each_other() {
+    let folder = folder();
+    let reach = task("reach.toml");
+    let variants =
+        ["--variant", "as it is:", "--variant", "stiff: stiffness.min=200; stiffness.max=400; learning.updates=3"];
+    let small = ["sweep", &reach, "--seeds", "1", "--set", "learning.updates=2", "--set", "accept={}", "--out", "s"];
+    let (stdout, _) = expect(0, folder.path(), &[&small[..], &variants, &["--quiet"]].concat());
+    assert!(stdout.contains("variant=as it is") && stdout.contains("variant=stiff"), "{stdout}");
+    let (header, rows) = header_and_rows(folder.path().join("s/results.csv"));
+    assert_eq!((header[1].as_str(), rows.len()), ("variant", 2));
+    let updates = header.iter().position(|name| name == "updates").unwrap();
+    assert_eq!((rows[0][1].as_str(), rows[0][updates].as_str()), ("as it is", "2"));
+    assert_eq!((rows[1][1].as_str(), rows[1][updates].as_str()), ("stiff", "3"));
+    let (_, stderr) = expect(2, folder.path(), &[&small[..], &["--variant", "stiffness.min=200"]].concat());
+    assert!(stderr.contains("NAME:"), "{stderr}");
+}

@@ -54,6 +54,7 @@ Examples:
   hpf sweep tasks/via_point.toml --seeds 20
   hpf sweep tasks/via_point.toml --seeds 10 --vary learning.noise.movement=3,10,30
   hpf sweep tasks/cantilever.toml --vary learning.method=pi2,auto --vary 'contact.curve=\"tip_load\",\"moving_load\"'
+  hpf sweep tasks/via_point_stochastic.toml --variant 'movement: learning.learn=[\"movement\"]' --variant all:
   hpf sweep tasks/via_point.toml --seeds 20 --shard 3/16   # on the third of 16 machines
 
 Results go to runs/NAME-sweep, or --out: results.csv, summary.json, plots/, and a directory per run in runs/. The same \
@@ -337,6 +338,9 @@ pub struct Sweep {
     /// Vary a key of the task over these values; several make a grid
     #[arg(long, value_name = "KEY.PATH=VALUE,VALUE...")]
     pub vary: Vec<String>,
+    /// Set variants of the task beside each other, each with changes of its own, or none
+    #[arg(long, value_name = "NAME: KEY.PATH=VALUE; ...")]
+    pub variant: Vec<String>,
     /// Override a key of the task in every run, typed as in TOML; lists by position, from 0
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,

@@ -26,6 +26,7 @@ pub fn sweep(options: &Sweep, common: &Common) -> Result<Outcome, Failure> {
         seeds: options.seeds,
         first_seed: common.seed,
         vary: options.vary.clone(),
+        variants: options.variant.clone(),
         set: options.set.clone(),
     };
     let plan = Plan::new(&request, &terminal)?;
