@@ -257,7 +257,7 @@ fn variants_of_a_task_are_set_beside_each_other() {
     let folder = folder();
     let reach = task("reach.toml");
     let variants =
-        ["--variant", "as it is:", "--variant", "stiff: stiffness.min=200; stiffness.max=400; learning.updates=3"];
+        ["--variant", "as it is:", "--variant", "stiff: stiffness.initial=300; stiffness.min=200; learning.updates=3"];
     let small = ["sweep", &reach, "--seeds", "1", "--set", "learning.updates=2", "--set", "accept={}", "--out", "s"];
     let (stdout, _) = expect(0, folder.path(), &[&small[..], &variants, &["--quiet"]].concat());
     assert!(stdout.contains("variant=as it is") && stdout.contains("variant=stiff"), "{stdout}");

@@ -133,7 +133,7 @@ fn with_callable(
         }
         None => {
             // Whether its motions have signals decides how a session begins: the first motion tells, and counts.
-            let (_, source) = of_kind(kinds.first().copied().unwrap_or(Kind::Trace))?;
+            let (_, source) = of_kind(if fits(&Kind::Trace) { Kind::Trace } else { Kind::Residuals(1) })?;
             let mut session = session(&source).map_err(|failure| task.error(py, &failure))?;
             let asked = source.plan.ask(&mut session).and_then(|(motions, _)| motions.into_iter().next());
             let Some(motion) = asked else { return Err(PyValueError::new_err("nothing is to be learned")) };
