@@ -21,7 +21,7 @@
 
 mod tare;
 
-pub use tare::{TARE_DRIFT, TARE_SPREAD, TARE_TIME, TareWindow};
+pub use tare::{TARE_DRIFT, TARE_RECENT, TARE_SPREAD, TARE_TIME, TareWindow};
 
 use core::f64::consts::TAU;
 

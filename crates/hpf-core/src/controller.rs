@@ -286,7 +286,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     pub fn update(&mut self, input: &Input<T, D>, dt: T) -> Output<T, D> {
         self.status = Status::default();
         if let Some(request) = input.request
-            && !self.handle_request(request)
+            && !self.handle_request(request, input)
         {
             self.status.refused = true;
             count(&mut self.counters.refused);
@@ -299,21 +299,14 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
     }
 
     /// Does what is asked for; returns whether it did.
-    fn handle_request(&mut self, request: Request<T, D>) -> bool {
+    fn handle_request(&mut self, request: Request<T, D>, input: &Input<T, D>) -> bool {
         match request {
             Request::Start => self.handle_event(Event::Start),
             Request::Hold => self.handle_event(Event::Hold),
             Request::Resume => self.handle_event(Event::Resume),
             Request::Stop => self.handle_event(Event::Stop),
             Request::Goal(goal) => self.retarget(goal),
-            Request::Tare => {
-                let still = if self.mode == Mode::Idle { self.tare.mean() } else { None };
-                if let Some(still) = still {
-                    self.force.tare(still);
-                    self.tare = TareWindow::default();
-                }
-                still.is_some()
-            }
+            Request::Tare => self.handle_tare(input),
             Request::Reset(position) => {
                 self.mode.after(Event::Reset).is_some()
                     && self.place_at(position).is_ok()

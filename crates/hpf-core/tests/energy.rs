@@ -4,7 +4,7 @@ use crate::support::{Family, Kind, N, input};
 use hpf_core::controller::{Compliance, Controller, Output, Request, Settings};
 use hpf_core::limits::Limits;
 use hpf_core::passivity::EnergyTank;
-use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase};
+use hpf_core::{AxisPrimitives, Basis, Damping, Gain, HybridPrimitive, Law, Movement, Phase, Real};
 
 /// Limits that nothing here reaches.
 const WIDE: Limits<f64> =
@@ -316,4 +316,51 @@ fn a_debt_goes_with_its_tank() {
         }
     }
     assert!(indebted > 2, "{indebted}");
+}
+
+/// Forces against the path take all that the tank can spend; rounded, a little more. A set-point that comes then, on an
+/// axis at rest, moves it no further than it would with a full tank.
+fn a_set_point_never_acts_with_more_than_itself<T: Real + PartialOrd>() {
+    let mut state = 1_u64;
+    let mut random = |low: f64, high: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let limits = Limits {
+        force: T::of(100.0),
+        offset: T::of(50.0),
+        velocity: T::of(1e4),
+        acceleration: T::of(1e8),
+        position: [T::of(-1e3), T::of(1e3)],
+    };
+    for trial in 0..2000 {
+        let dt = random(0.05, 0.6);
+        let mut settings = Settings::<T, 2>::compliant([limits; 2]);
+        settings.axes.iter_mut().for_each(|axis| axis.trip_force = T::of(1e6));
+        settings.axes[1].compliance = Compliance::Rigid;
+        settings.tank = Some(EnergyTank::new(T::of(random(0.01, 0.1)), T::of(0.01), T::ONE, T::of(1e3)).unwrap());
+        (settings.timing.longest_step, settings.timing.ramp) = (T::ONE, T::of(0.02));
+        let law = LAWS[trial % LAWS.len()];
+        let skill = crate::support::skill::<T, 2>(Kind { family: Family::Time, law }, 20.0);
+        let mut controller = Controller::new(skill, settings, [T::ZERO; 2]).unwrap();
+        let mut now = input([-90.0, 0.0]);
+        now.request = Some(Request::Start);
+        for _ in 0..4 {
+            controller.update(&now, T::of(dt));
+            now.request = None;
+        }
+        settings.axes[1].compliance = Compliance::Press(T::of(random(-90.0, 90.0)));
+        controller.set(settings).unwrap();
+        for _ in 0..4 {
+            let offset = controller.update(&now, T::of(dt)).axes[1].offset.to_f64();
+            // At the least stiffness of the skill, and with the inertia of the least damped law.
+            assert!(offset.abs() < 2.0 * 90.0 / 30.0, "trial {trial}: {offset} m");
+        }
+    }
+}
+
+#[test]
+fn a_set_point_never_acts_with_more_than_itself_where_nothing_is_left() {
+    a_set_point_never_acts_with_more_than_itself::<f64>();
+    a_set_point_never_acts_with_more_than_itself::<f32>();
 }

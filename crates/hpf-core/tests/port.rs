@@ -190,6 +190,43 @@ const PLANTS: [Plant; 8] = [
     Plant { lag: 0.02, delay: 5, bias: -2.0 },
 ];
 
+/// A robot that closes its gap only in the steps that tell no time, against a force that is there only then: what is
+/// read in them is booked like any other reading.
+#[test]
+fn steps_of_no_time_are_booked() {
+    for (delay, every) in [(0, 5), (3, 5), (0, 2)] {
+        let settings = settings(Compliance::Compliant, Some(Port { force_delay: delay as u32, force_bias: [0.0] }));
+        let kind = Kind { family: Family::Time, law: Law::FirstOrder };
+        let mut controller = Controller::new(skill(kind, 2.0), settings, [0.0]).unwrap();
+        let (mut x, mut work, mut least, mut travelled) = (0.0, 0.0, 0.0_f64, 0.0);
+        let mut seen = vec![0.0; delay + 1];
+        let mut force = 0.0;
+        for n in 0..30_000 {
+            seen.rotate_right(1);
+            seen[0] = force;
+            let input = Input {
+                measured_force: [seen[delay]],
+                force_age: 0,
+                measured_position: Some([x]),
+                rate: 1.0,
+                request: (n == 0).then_some(Request::Start),
+            };
+            let dt = if n % every == every - 1 { [0.0, f64::NAN, -1.0][n / every % 3] } else { DT };
+            let output = controller.update(&input, dt);
+            let position = output.axes[0].position;
+            let moved = if n % every == every - 1 { position - x } else { 0.0 };
+            let swing = 30.0 * (n as f64 * 0.004).sin();
+            let next = if n % every == every - 2 { -0.98 * TRIP * (position - x).signum() } else { swing };
+            work += moved * if moved == 0.0 { 0.0 } else { force };
+            (x, force) = (x + moved, next);
+            travelled += f64::abs(moved);
+            least = least.min(work);
+        }
+        assert!(least >= -CAPACITY - 1e-9, "{least} J with a delay of {delay}, every {every}th step");
+        assert!(travelled > 1e-3, "{travelled} m");
+    }
+}
+
 /// The port as the plant is.
 fn declared(plant: Plant) -> Option<Port<f64, 1>> {
     Some(Port { force_delay: plant.delay as u32, force_bias: [plant.bias.abs()] })

@@ -113,3 +113,75 @@ fn a_second_tare_adds_to_the_first_and_takes_as_long() {
     assert!(!tare(&mut arm));
     assert_eq!(arm.controller.output().mode, Mode::Idle);
 }
+
+/// A change that is smaller than what noise may be is seen all the same, once it has lasted: of 2 % of the scale for
+/// 30 ms, of nearly 5 % for 12 ms.
+#[test]
+fn it_is_refused_after_a_small_step_until_the_step_is_the_rule() {
+    for cutoff in [None, Some(5.0)] {
+        for step in [2.45, -2.0, 1.2] {
+            let soon = if f64::abs(step) < 1.5 { 30 } else { 12 };
+            for milliseconds in [soon, 30, 60, 120, 200, 249, 251, 300, 400, 499] {
+                let mut arm = arm(cutoff);
+                read(&mut arm, 1.0, |_| 0.0);
+                read(&mut arm, f64::from(milliseconds) * 1e-3, |_| step);
+                if tare(&mut arm) {
+                    let residue = step - arm.controller.bias()[0];
+                    assert!(
+                        f64::abs(residue) <= 0.01 * 50.0,
+                        "{residue} N, {milliseconds} ms after a step of {step} N"
+                    );
+                }
+            }
+            let mut arm = arm(cutoff);
+            read(&mut arm, 1.0, |_| 0.0);
+            read(&mut arm, 1.0, |_| step);
+            assert!(tare(&mut arm));
+            assert!((arm.controller.bias()[0] - step).abs() < 1e-12);
+        }
+    }
+}
+
+/// One reading 2.4 N below and one 2.4 N above the others, 0.49 s apart: no neighboring quarters of a second have both.
+#[test]
+fn it_is_refused_where_two_readings_of_half_a_second_lie_further_apart_than_they_may() {
+    let mut arm = arm(None);
+    for i in 0..741 {
+        let force = match i {
+            249 => -2.4,
+            739 => 2.4,
+            _ => 0.0,
+        };
+        arm.input.measured_force = [force, -0.5 * 9.81];
+        arm.step();
+        assert_eq!(arm.controller.output().status.tare_ready, (499..739).contains(&i), "after reading {i}");
+    }
+    assert!(!tare(&mut arm));
+}
+
+/// Steps that tell no time do not count as time in which a force has stood still.
+#[test]
+fn it_is_refused_after_steps_of_no_time() {
+    for (force, dt) in [(30.0, 0.0), (f64::NAN, 0.0), (0.0, f64::NAN), (0.0, -1e-3)] {
+        let mut arm = arm(None);
+        read(&mut arm, 0.7, |_| 0.0);
+        (arm.input.measured_force[0], arm.dt) = (force, dt);
+        arm.step();
+        (arm.input.measured_force[0], arm.dt) = (0.0, DT);
+        assert!(arm.controller.output().status.bad_time && !tare(&mut arm), "{force} N, {dt} s");
+    }
+}
+
+/// The reading that comes with the request is one of the force that stands still.
+#[test]
+fn it_is_refused_beside_a_reading_that_does_not_fit() {
+    let mut ready = arm(Some(5.0));
+    read(&mut ready, 0.7, |_| 8.0);
+    for (force, age) in [(f64::NAN, 0), (f64::INFINITY, 0), (8.0, 999), (80.0, 0), (-8.0, 0), (11.0, 0)] {
+        let mut arm = Arm { controller: ready.controller.clone(), ..arm(None) };
+        (arm.input.measured_force, arm.input.force_age) = ([force, -0.5 * 9.81], age);
+        assert!(arm.ask(Request::Tare).status.refused, "{force} N, {age} steps old");
+        assert_eq!(arm.controller.bias(), [0.0; 2]);
+    }
+    assert!(tare(&mut ready));
+}

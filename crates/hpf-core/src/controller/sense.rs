@@ -4,6 +4,7 @@ use super::exchange::count;
 use super::faults::CLOCK_STEPS;
 use super::{Controller, Event, Input, Mode, Settings, Timing};
 use crate::Real;
+use crate::conditioning::TareWindow;
 use crate::domain::{LARGEST, SHORTEST_STEP};
 use crate::limits::cut;
 
@@ -46,15 +47,37 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             state.velocity = T::ZERO;
         }
         self.read(input);
+        // Nobody knows for how long that force has stood still.
+        self.tare = TareWindow::default();
         let blind = self.watch(input);
         let rateless = !input.rate.is_finite();
         if rateless {
             self.note_bad_input();
         }
         self.weigh(blind, rateless, T::ZERO);
+        // The robot moves on towards its command, whatever the clock says.
+        if self.settings.port.is_some() {
+            self.observe(input);
+        }
         if self.status.lost() {
             self.handle_event(Event::Lost);
         }
+    }
+
+    /// Calls the force zero that stands still, in Idle, where this reading is good and one of it; returns whether it did.
+    pub(super) fn handle_tare(&mut self, input: &Input<T, D>) -> bool {
+        let Settings { axes, conditioning, timing, .. } = &self.settings;
+        let is_good = input.force_age <= timing.oldest_force && input.measured_force.iter().all(|f| f.is_finite());
+        if self.mode != Mode::Idle || !is_good {
+            return false;
+        }
+        let force = conditioning.compensated(&self.force, input.measured_force);
+        let still = self.tare.mean_beside(force, axes.each_ref().map(|axis| axis.limits.force));
+        if let Some(still) = still {
+            self.force.tare(still);
+            self.tare = TareWindow::default();
+        }
+        still.is_some()
     }
 
     /// The force that the model sees, good or not.

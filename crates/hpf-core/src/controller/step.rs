@@ -108,7 +108,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                 share = lesser(share, left * self.cache.ramp_share, cost);
                 short = true;
             }
-            left = left - (share * cost).at_least(T::ZERO);
+            // Rounded, the share may cost a little more than there is: less than nothing is never left.
+            left = (left - (share * cost).at_least(T::ZERO)).at_least(T::ZERO);
         }
         half.advance(&mut self.phase, &mut self.phase_remainder, middle, share);
         self.rate = rate * share;

@@ -80,14 +80,14 @@ impl<T: Real> EnergyTank<T> {
     /// use hpf_core::passivity::EnergyTank;
     /// let tank = EnergyTank::new(0.5_f64, 0.1, 0.9, 1e3)?; // 0.4 J can be spent
     /// assert_eq!([0.4, 0.1, 0.05, 0.0].map(|left| tank.valve(left, 0.01)), [1.0, 1.0, 0.5, 0.0]);
-    /// assert_eq!(tank.valve(0.4, 0.1), 0.5);
+    /// assert_eq!((tank.valve(0.4, 0.1), tank.valve(-0.4, 0.1)), (0.5, 0.0));
     /// # Ok::<(), hpf_core::ConfigError>(())
     /// ```
     #[inline]
     pub fn valve(&self, left: T, step: T) -> T {
         let open = (T::of(VALVE) * (self.capacity - self.reserve)).at_least(T::of(VALVE_STEPS) * step);
-        // A tank that can spend nothing is shut; a set-point of zero costs nothing.
-        left.select_below(open, left / open, T::ONE)
+        // A tank that can spend nothing, or less, is shut; a set-point of zero costs nothing.
+        left.at_least(T::ZERO).select_below(open, left.at_least(T::ZERO) / open, T::ONE)
     }
 
     /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].
