@@ -33,7 +33,8 @@ pub struct Comparison {
 /// A number of every run, where it has one.
 struct Row {
     name: String,
-    unit: String,
+    /// Of each run: a measure over axes of several units has none.
+    units: Vec<String>,
     values: Vec<Option<f64>>,
     /// Of each run, whether its target was met.
     passes: Vec<Option<bool>>,
@@ -81,7 +82,7 @@ impl Comparison {
         let row = |name: String| Row {
             values: self.sides.iter().map(|side| terms(side).get(&name).and_then(Value::as_f64)).collect(),
             passes: vec![None; self.sides.len()],
-            unit: String::new(),
+            units: vec![String::new(); self.sides.len()],
             marks_least: self.is_one_task(),
             name,
         };
@@ -98,7 +99,7 @@ impl Comparison {
             let found = self.sides.iter().map(|side| of(side).into_iter().find(|metric| metric["name"] == *name));
             let found: Vec<Value> = found.map(Option::unwrap_or_default).collect();
             Row {
-                unit: found.iter().map(|metric| text(metric, "unit")).find(|unit| !unit.is_empty()).unwrap_or_default(),
+                units: found.iter().map(|metric| text(metric, "unit")).collect(),
                 values: found.iter().map(|metric| metric["value"].as_f64()).collect(),
                 passes: found.iter().map(|metric| metric["pass"].as_bool()).collect(),
                 marks_least: self.is_one_task() && name.starts_with("max_"),
@@ -139,14 +140,16 @@ impl Row {
     fn cells(&self) -> Vec<String> {
         let known = self.values.iter().flatten();
         let (least, most) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(*v), m.max(*v)));
-        let cell = |(value, pass): (&Option<f64>, &Option<bool>)| {
+        let cell = |((value, unit), pass): ((&Option<f64>, &String), &Option<bool>)| {
             let Some(value) = value else { return "-  ".to_owned() };
             let miss = if *pass == Some(false) { "!" } else { " " };
             let best = if self.marks_least && least < most && *value == least { "*" } else { " " };
-            format!("{}{miss}{best}", measure(*value, &self.unit))
+            format!("{}{miss}{best}", measure(*value, unit))
         };
-        let mut cells: Vec<String> = self.values.iter().zip(&self.passes).map(cell).collect();
-        if let [Some(first), Some(second)] = self.values[..] {
+        let mut cells: Vec<String> = self.values.iter().zip(&self.units).zip(&self.passes).map(cell).collect();
+        if let [Some(first), Some(second)] = self.values[..]
+            && self.units[0] == self.units[1]
+        {
             cells.push(change(first, second));
         }
         cells

@@ -178,7 +178,7 @@ fn it_is_refused_beside_a_reading_that_does_not_fit() {
     let mut ready = arm(Some(5.0));
     read(&mut ready, 0.7, |_| 8.0);
     for (force, age) in [(f64::NAN, 0), (f64::INFINITY, 0), (8.0, 999), (80.0, 0), (-8.0, 0), (11.0, 0)] {
-        let mut arm = Arm { controller: ready.controller.clone(), ..arm(None) };
+        let mut arm = Arm { controller: ready.controller, ..arm(None) };
         (arm.input.measured_force, arm.input.force_age) = ([force, -0.5 * 9.81], age);
         assert!(arm.ask(Request::Tare).status.refused, "{force} N, {age} steps old");
         assert_eq!(arm.controller.bias(), [0.0; 2]);

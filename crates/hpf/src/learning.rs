@@ -88,6 +88,9 @@ pub fn learn_from(
     let simulation = Simulation::new(&task.as_planned(), &start).map_err(|error| bad_task(task, &error))?;
     let weights = simulation.starting_weights(&start).map_err(|error| bad_task(task, &error))?;
     let start = start.with_weights(&weights).map_err(|error| bad_task(task, &error))?;
+    if task.environment.is_some() && task.cost.rest.values().iter().any(|weight| *weight > 0.0) {
+        watch.note("note: motions made outside of hpf end at the duration: `cost.rest` counts for nothing");
+    }
     let mut learned = match (&task.environment, maker) {
         (None, None) => {
             let steps = |session| LearningLoop::new(&simulation, session);

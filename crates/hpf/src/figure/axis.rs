@@ -36,6 +36,8 @@ pub fn padded(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     }
 }
 
+/// Costs that differ by a smaller factor are shown in proportion.
+const NEARLY_CONSTANT: f64 = 1.2;
 /// Room beside costs on an axis by the logarithm, as a factor.
 const COST_ROOM: f64 = 1.5;
 
@@ -96,13 +98,16 @@ impl Axis {
     }
 
     /// The axis of a cost that shows `values`: by the logarithm where all `totals` are
-    /// above 0; else in proportion, for a logarithm could show none of them.
+    /// above 0; in proportion where one is not, for a logarithm could not show it, and where all shown hardly differ.
     pub fn of_cost(totals: impl Iterator<Item = f64> + Clone, values: impl Iterator<Item = f64>) -> Self {
         match span(totals.clone()) {
             Some((least, _)) if least <= 0.0 => Self::linear("cost", "", padded(totals.chain(values))),
             _ => {
                 let shown = values.chain(totals).filter(|value| *value > 0.0);
                 let (low, high) = span(shown).unwrap_or((1.0, 1.0));
+                if high < NEARLY_CONSTANT * low {
+                    return Self::linear("cost", "", padded([low, high]));
+                }
                 Self::logarithmic("cost", "", (low / COST_ROOM, high * COST_ROOM))
             }
         }

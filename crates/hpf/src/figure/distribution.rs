@@ -116,7 +116,8 @@ fn spreads(curves: &[Vec<Point>]) -> Vec<(f64, Spread)> {
     kept.filter_map(|(_, x)| spread(*x)).collect()
 }
 
-/// Draws every measure that differs between runs: a dot for each seed, quartiles and median beside them.
+/// Draws every measure that differs between runs, or all where none does: a dot for each seed, quartiles and median
+/// beside them.
 pub fn measures(groups: &[Group], varied: &str) -> Figure {
     let shown: Vec<&Group> = groups.iter().take(MOST_SERIES).collect();
     let mut names: Vec<&str> = Vec::new();
@@ -127,31 +128,28 @@ pub fn measures(groups: &[Group], varied: &str) -> Figure {
     }
     let ticks: Vec<String> = shown.iter().map(|group| group.short.clone()).collect();
     let x = Axis::named(varied, ticks);
-    let panels: Vec<Panel> = names.iter().filter_map(|name| measure_panel(&shown, name, &x)).collect();
-    let same: Vec<_> =
-        names.iter().filter(|name| panels.iter().all(|panel| panel.y.quantity != name.replace('_', " "))).collect();
-    let mut panels = panels;
+    let of_measures = |with_same: bool| -> Vec<Panel> {
+        names.iter().filter_map(|name| measure_panel(&shown, name, &x, with_same)).collect()
+    };
+    let mut panels = of_measures(false);
+    let all_same = panels.is_empty();
+    if all_same {
+        panels = of_measures(true);
+    }
     if let Some(first) = panels.first_mut() {
-        first.note =
-            format!("a dot per seed; box: quartiles, bar: median, over {}{}", seeds(groups), left_out(groups.len()));
-    } else {
-        let words = format!(
-            "the same in every run: {}",
-            same.into_iter().map(|name| name.replace('_', " ")).collect::<Vec<_>>().join(", ")
-        );
-        let y = Axis::linear("", "", (0.0, 1.0));
-        panels.push(Panel { heading: words, note: String::new(), x, y, layers: Vec::new() });
+        let what = if all_same { "every run measures the same" } else { "a dot per seed; box: quartiles, bar: median" };
+        first.note = format!("{what}, over {}{}", seeds(groups), left_out(groups.len()));
     }
     Figure::new("Measures of the learned policies", panels)
 }
 
-/// The panel of a measure, if it is not the same in every run.
-fn measure_panel(groups: &[&Group], name: &str, x: &Axis) -> Option<Panel> {
+/// The panel of a measure; of one that is the same in every run only `with_same`.
+fn measure_panel(groups: &[&Group], name: &str, x: &Axis, with_same: bool) -> Option<Panel> {
     let of = |member: &Member| member.measures.iter().find(|measure| measure.name == name).cloned();
     let all: Vec<Measure> = groups.iter().flat_map(|group| &group.members).filter_map(of).collect();
     let (low, high) = span(all.iter().map(|measure| measure.value))?;
     let target = all.iter().find_map(|measure| measure.target);
-    if high - low <= 1e-6 * high.abs() {
+    if !with_same && high - low <= 1e-6 * high.abs() {
         return None;
     }
     let is_small = all[0].unit == "m" && high.abs().max(low.abs()) < 0.1;
