@@ -329,22 +329,22 @@
 /*
  Upper bound of what a single-precision controller needs beside its axes and lists.
  */
-#define HPF_F32_BYTES_BASE 544
+#define HPF_F32_BYTES_BASE 552
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F32_BYTES_PER_AXIS 376
+#define HPF_F32_BYTES_PER_AXIS 392
 
 /*
  Upper bound of what a double-precision controller needs beside its axes and lists.
  */
-#define HPF_F64_BYTES_BASE 784
+#define HPF_F64_BYTES_BASE 800
 
 /*
  Upper bound of what each axis adds, without lists.
  */
-#define HPF_F64_BYTES_PER_AXIS 688
+#define HPF_F64_BYTES_PER_AXIS 720
 
 /*
  A controller in the caller's memory; opaque to C.

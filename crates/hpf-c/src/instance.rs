@@ -15,13 +15,13 @@ use crate::storage::{List, ListArena, numbers};
 /// Alignment of the memory for a controller.
 pub const HPF_ALIGNMENT: usize = 8;
 /// Upper bound of what a single-precision controller needs beside its axes and lists.
-pub const HPF_F32_BYTES_BASE: usize = 544;
+pub const HPF_F32_BYTES_BASE: usize = 552;
 /// Upper bound of what each axis adds, without lists.
-pub const HPF_F32_BYTES_PER_AXIS: usize = 376;
+pub const HPF_F32_BYTES_PER_AXIS: usize = 392;
 /// Upper bound of what a double-precision controller needs beside its axes and lists.
-pub const HPF_F64_BYTES_BASE: usize = 784;
+pub const HPF_F64_BYTES_BASE: usize = 800;
 /// Upper bound of what each axis adds, without lists.
-pub const HPF_F64_BYTES_PER_AXIS: usize = 688;
+pub const HPF_F64_BYTES_PER_AXIS: usize = 720;
 
 /// A scalar that controllers are made for.
 pub trait Scalar: Real + PartialOrd {

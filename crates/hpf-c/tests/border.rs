@@ -396,3 +396,36 @@ fn a_call_that_cannot_be_is_refused_and_changes_nothing() {
     }
     assert_eq!(offset_of!(Input<f64>, abi_version), 4);
 }
+
+/// What a controller needs with lists of the caller's in flash, and with copies of its own [bytes].
+macro_rules! needs {
+    ($scalar:ty, $instance:path, $size:path, $axes:expr) => {
+        [(HPF_LISTS_BORROWED, HPF_BASIS_STORED), (HPF_LISTS_COPIED, HPF_BASIS_TIME)].map(|(lists, family)| {
+            let mut policy: Policy<$scalar> = prepared();
+            (policy.axes, policy.lists) = ($axes, lists);
+            (policy.movement_basis.family, policy.movement_basis.count) = (family, 20);
+            (policy.stiffness_basis, policy.damping_basis) = (policy.movement_basis, policy.movement_basis);
+            let mut bytes = 0;
+            // SAFETY: both outlive the call, which looks at no list.
+            assert_eq!(unsafe { $size($instance($axes), &policy, &mut bytes) }, HPF_OK);
+            bytes
+        })
+    };
+}
+
+#[test]
+fn the_page_has_the_memory_that_a_controller_needs() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/embedding.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let mut rows = Vec::new();
+    for axes in [1, 2, 6, 7] {
+        let [flash, copied] = needs!(f32, hpf_c::f32::hpf_f32_instance, hpf_c::f32::hpf_f32_size, axes);
+        rows.push(format!("| float, {axes} | {flash} | {copied} |"));
+        let [flash, copied] = needs!(f64, hpf_f64_instance, hpf_f64_size, axes);
+        rows.push(format!("| double, {axes} | {flash} | {copied} |"));
+    }
+    println!("{}", rows.join("\n"));
+    for row in rows {
+        assert!(page.contains(&row), "{row} is not in docs/embedding.md");
+    }
+}
