@@ -148,6 +148,15 @@ fn another_seed_gives_another_policy_and_is_recorded() {
 }
 
 #[test]
+fn what_to_do_next_can_be_pasted_whatever_the_folder_is_called() {
+    let folder = folder();
+    let (stdout, _) = expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet", "--out", "my first run"]);
+    assert!(stdout.contains("next: hpf run 'my first run' --rate 1000"), "{stdout}");
+    let (stdout, _) = expect(0, folder.path(), &["init", "reach", "--out", "my task.toml"]);
+    assert!(stdout.contains("next: hpf learn 'my task.toml'"), "{stdout}");
+}
+
+#[test]
 fn options_work_before_and_after_the_command() {
     let folder = folder();
     expect(0, folder.path(), &["--quiet", "--out", "a", "learn", &task("reach.toml")]);

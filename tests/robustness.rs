@@ -412,9 +412,10 @@ fn a_policy_that_is_not_the_one_its_run_was_finished_with_is_refused_wherever_th
     let place = run.display().to_string();
     let file = run.join("policy.json").display().to_string();
     let task = format!("{place}/task.toml");
-    let commands: [&[&str]; 9] = [
+    let commands: [&[&str]; 10] = [
         &["info", &place],
         &["info", &place, &place],
+        &["imitate", &place, "--out", "imitated"],
         &["info", &file],
         &["check", &place],
         &["run", &place],
@@ -439,6 +440,13 @@ fn a_policy_that_is_not_the_one_its_run_was_finished_with_is_refused_wherever_th
             let (code, stderr) = try_hpf(folder.path(), arguments);
             assert!(code == 2 && stderr.contains("summary.json"), "{arguments:?} of {damaged:?}: {stderr}");
         }
+    }
+    // Nor is a run whole without its policy.
+    fs::write(run.join("summary.json"), &summary).unwrap();
+    fs::remove_file(run.join("policy.json")).unwrap();
+    for arguments in &commands[..3] {
+        let (code, stderr) = try_hpf(folder.path(), arguments);
+        assert!(code == 2 && stderr.contains("policy.json"), "{arguments:?}: {stderr}");
     }
     // Taken out of the run it is a policy like any other.
     fs::write(folder.path().join("policy.json"), &other).unwrap();

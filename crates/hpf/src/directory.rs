@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::failure::Failure;
 use crate::files::{self, while_writing};
 use crate::nodes;
+use crate::words::typed;
 
 /// The file that a run under way holds locked, inside its unfinished directory.
 const LOCK: &str = ".lock";
@@ -234,7 +235,7 @@ impl Unfinished {
         if !self.is_resumable {
             return kept;
         }
-        kept.with(&format!("go on from there with: hpf learn --resume {}", self.target.display()))
+        kept.with(&format!("go on from there with: hpf learn --resume {}", typed(self.target.display())))
     }
 }
 

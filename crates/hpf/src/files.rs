@@ -238,7 +238,13 @@ fn refuse_foreign(path: &Path, text: &str) -> Result<(), Failure> {
 pub fn verify_run(summary: &Path) -> Result<(), Failure> {
     let policy = summary.with_file_name(POLICY);
     if !policy.is_file() {
-        return Ok(());
+        // A summary that was copied elsewhere is read alone; a run is not whole without its policy.
+        let is_alone = !summary.with_file_name("task.toml").is_file();
+        return if is_alone {
+            Ok(())
+        } else {
+            Err(in_file(&policy)("it is missing, so that the run cannot be verified"))
+        };
     }
     refuse_foreign(&policy, &read_limited(&policy, hpf_sim::MAX_POLICY_BYTES as u64)?)
 }

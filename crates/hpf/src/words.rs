@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers as people read them, and names as they type them.
 
 /// A number with four digits that count, without exponent where it is readable.
 pub fn number(value: f64) -> String {
@@ -12,6 +12,20 @@ pub fn number(value: f64) -> String {
         return format!("{value:.3e}");
     }
     format!("{value:.*}", (3.0 - digits).clamp(0.0, 8.0) as usize)
+}
+
+/// `name` as a word that a shell reads back: in quotes where it needs them.
+///
+/// ```
+/// use hpf::words::typed;
+/// assert_eq!(typed("runs/wall"), "runs/wall");
+/// assert_eq!(typed("my run"), "'my run'");
+/// assert_eq!(typed("it's"), r"'it'\''s'");
+/// ```
+pub fn typed(name: impl ToString) -> String {
+    let name = name.to_string();
+    let is_plain = |sign: char| sign.is_alphanumeric() || "/._-+=,:@%".contains(sign);
+    if !name.is_empty() && name.chars().all(is_plain) { name } else { format!("'{}'", name.replace('\'', r"'\''")) }
 }
 
 /// A measure in the unit that suits its size: millimetres for small lengths.

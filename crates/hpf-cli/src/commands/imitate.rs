@@ -15,7 +15,7 @@ use crate::deliver::read_task;
 use crate::outcome::Outcome;
 use crate::terminal::say;
 use hpf::failure::{Failure, in_text};
-use hpf::files::{LoadedTask, in_file, open_end, read_text, sha256};
+use hpf::files::{LoadedTask, in_file, open_end, read_text, sha256, verify_run};
 use hpf::results::{LearningRow, Run};
 use hpf::save::Whole;
 use hpf::sinks::combined;
@@ -89,6 +89,10 @@ fn read(paths: &[PathBuf]) -> Result<Recordings, Failure> {
         let task = path.with_file_name("task.toml");
         let is_of_run = path.ends_with("trajectory.csv") && task.is_file();
         let movement = if is_of_run { Some(read_task(&task, &[])?.task.duration) } else { None };
+        let summary = path.with_file_name("summary.json");
+        if is_of_run && summary.is_file() {
+            verify_run(&summary)?;
+        }
         let text = read_text(&path)?;
         let mut demonstration = Demonstration::parse(&text).map_err(|mistakes| {
             let lines = mistakes.iter().map(|mistake| format!("{}:{mistake}", path.display()));

@@ -15,6 +15,7 @@ use crate::terminal::say;
 use hpf::failure::Failure;
 use hpf::files::{in_file, read_bytes, read_text, verify_run};
 use hpf::log::{self, Ending};
+use hpf::words::typed;
 use hpf::{nodes, packed};
 
 /// Runs `hpf info`.
@@ -39,7 +40,7 @@ fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
         let contents = log::summarize(path).map_err(in_file(path))?;
         let hint = match contents.ending {
             Ending::Complete => String::new(),
-            _ => format!("\nnext: hpf recover {}\n", path.display()),
+            _ => format!("\nnext: hpf recover {}\n", typed(path.display())),
         };
         return answer(common, &contents.to_json(), || format!("{contents}{hint}"));
     }

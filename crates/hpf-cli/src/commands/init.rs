@@ -11,6 +11,7 @@ use crate::deliver::deliver;
 use crate::outcome::Outcome;
 use hpf::failure::Failure;
 use hpf::files::{place, refuse_occupied};
+use hpf::words::typed;
 
 /// The program that makes the rollouts of the shipped task of kind process.
 const PROGRAM: &str = include_str!("../../shipped/examples/process/point_mass.py");
@@ -73,7 +74,7 @@ pub fn init(options: &Init, common: &Common) -> Result<Outcome, Failure> {
             object["program"] = json!(program);
             made += &format!("{}: the program that makes its rollouts\n", program.display());
         }
-        Some((format!("{made}\nnext: hpf learn {file}\n"), object))
+        Some((format!("{made}\nnext: hpf learn {}\n", typed(file)), object))
     })
 }
 

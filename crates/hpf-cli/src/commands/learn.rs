@@ -8,6 +8,7 @@ use hpf::files::{in_file, read_text};
 use hpf::job::{Finished, Job};
 use hpf::log;
 use hpf::sinks::combined;
+use hpf::words::typed;
 use serde_json::Value;
 
 use crate::cli::{Common, Learn};
@@ -40,18 +41,19 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     let Finished { learned, summary, failures, files, place } = finished?;
 
     let place = place.display().to_string();
+    let named = typed(&place);
     if common.json {
         say(&render::json(&summary, Some(&place), &files))?;
     } else {
         let next = if learned.is_open() {
-            format!("hpf learn --resume {place}")
+            format!("hpf learn --resume {named}")
         } else if task.environment.is_some() {
             // hpf cannot simulate the environment of a process.
-            format!("hpf check {place}")
+            format!("hpf check {named}")
         } else if task.has_steps_at(1000.0) {
-            format!("hpf run {place} --rate 1000")
+            format!("hpf run {named} --rate 1000")
         } else {
-            format!("hpf run {place}")
+            format!("hpf run {named}")
         };
         let mut notes: Vec<String> = learned.history.notes.iter().map(ToString::to_string).collect();
         notes.extend(log::time_note(&task));
@@ -60,7 +62,7 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     match &learned.failure {
         Some(reason) => {
             let failure = Failure::Work(format!("{reason}; the best policy is in {place}"));
-            let go_on = format!("go on from there with: hpf learn --resume {place}");
+            let go_on = format!("go on from there with: hpf learn --resume {named}");
             Err(if learned.is_open() { failure.with(&go_on) } else { failure })
         }
         None if !failures.is_empty() => combined(&failures, &place).map(|()| Outcome::Done),

@@ -1,7 +1,6 @@
 //! What an imitation adds to a run: its sources, and its distance from the demonstrations.
 
 use core::fmt::Write as _;
-use hpf::words;
 
 use hpf_sim::demonstration::{DampingFrom, Imitated, StiffnessFrom};
 use hpf_sim::task::Unit;
@@ -11,7 +10,8 @@ use super::Source;
 use crate::render;
 use hpf::results::Run;
 use hpf::summary::Summary;
-use hpf::words::number;
+
+use hpf::words::{self, number, typed};
 
 /// What a policy was made of, for people and for programs.
 pub struct Account {
@@ -113,7 +113,8 @@ impl Account {
         let _ = write!(text, "\ncost {} in the task\n\n", number(summary.last.0));
         text += &render::metrics(run, &summary.metrics);
         let _ = write!(text, "\nwritten to {folder}:\n{}", render::wrapped(files));
-        let _ = write!(text, "\nnext: hpf learn {folder}/task.toml --from {folder} --out {folder}_learned\n");
+        let [task, from, out] = ["/task.toml", "", "_learned"].map(|end| typed(format!("{folder}{end}")));
+        let _ = write!(text, "\nnext: hpf learn {task} --from {from} --out {out}\n");
         text
     }
 }
