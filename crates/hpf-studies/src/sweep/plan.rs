@@ -32,7 +32,7 @@ pub struct Request {
 /// What is varied: a key of the task, or the task as a whole in variants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
-    /// The key's path in the task, or [`VARIANT`].
+    /// The key's path in the task, or `variant`.
     pub key: String,
     /// Its values, as TOML, or the names of the variants.
     pub values: Vec<String>,
