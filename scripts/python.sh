@@ -13,7 +13,8 @@ export PATH="$venv/bin:$PATH"
 if ! [ -x "$python" ]; then
     python3 -m venv "$venv" || skip "no Python with venv" "the Python package was not built"
 fi
-"$python" -m pip install --quiet "maturin>=1.9.4,<2" numpy pytest mypy pandas pandas-stubs gymnasium ||
+"$python" -m pip install --quiet "maturin>=1.9.4,<2" numpy pytest mypy pandas pandas-stubs gymnasium \
+    "ray>=2.40" ||
     skip "the packages that the tests need cannot be installed" "the Python package was not built"
 
 echo "== build and install"
