@@ -33,17 +33,6 @@ pub(super) struct Noise {
     pub(super) force: f64,
 }
 
-impl Noise {
-    /// As much as a rough look takes errors for. Where a hard contact is recorded without noise, smaller errors hide
-    /// behind the places at which the tool touches a step earlier or later.
-    fn at_least(self, facts: &Facts) -> Self {
-        Self {
-            position: self.position.max(ROUGH_POSITION * facts.travel()),
-            force: self.force.max(ROUGH_FORCE * facts.force),
-        }
-    }
-}
-
 /// A load over a motion, at half steps, and where the motion starts.
 #[derive(Clone, Debug)]
 pub(super) struct Loads {
@@ -106,9 +95,6 @@ pub(super) struct Fitted {
 const MOST_STEPS: usize = 20;
 const FIRST_STEPS: usize = 3;
 const MOST_STARTS: usize = 5;
-/// Least errors of a rough look: of the travel, and of the force.
-const ROUGH_POSITION: f64 = 3e-4;
-const ROUGH_FORCE: f64 = 1e-2;
 /// A step that gains a smaller share is the last.
 const LEAST_GAIN: f64 = 1e-4;
 const FIRST_DAMPING: f64 = 1e-3;
@@ -230,8 +216,7 @@ impl Fitting {
     ) -> Fitted {
         let start = made.iter().map(|made| made.position[0]).sum::<f64>() / made.len() as f64;
         let prior = self.prior(facts, start);
-        let fit_with = |noise, theta, steps| self.descend(theta, made, weights, noise, &prior, steps);
-        let fit = |theta: Vec<f64>, steps: usize| fit_with(noise, theta, steps);
+        let fit = |theta: Vec<f64>, steps: usize| self.descend(theta, made, weights, noise, &prior, steps);
         let best = |fits: Vec<Fitted>| fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         let warm = before.map(|before| fit(before.theta.clone(), MOST_STEPS));
         if let (Some(warm), Some(before)) = (&warm, before)
@@ -249,16 +234,9 @@ impl Fitting {
             .collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         starts.truncate(MOST_STARTS);
-        let from_starts =
-            |noise| best(starts.iter().map(|(_, theta)| fit_with(noise, theta.clone(), FIRST_STEPS)).collect());
-        let cold = from_starts(noise).map(|looked| fit(looked.theta, MOST_STEPS));
-        // One motion is explained by a wall and by a force over time alike; where several have been made, a wall is sought
-        // harder.
-        let is_hidden = self.law.side != 0.0 && made.len() > 1 && cold.as_ref().is_none_or(|cold| cold.chi > GOOD);
-        let rough = noise.at_least(facts);
-        let roughly = is_hidden.then(|| from_starts(rough)).flatten();
-        let roughly = roughly.map(|looked| fit(fit_with(rough, looked.theta, MOST_STEPS).theta, MOST_STEPS));
-        best(warm.into_iter().chain(cold).chain(roughly).collect()).expect("a family has a start")
+        let looked = starts.into_iter().map(|(_, theta)| fit(theta, FIRST_STEPS)).collect();
+        let cold = best(looked).map(|looked| fit(looked.theta, MOST_STEPS));
+        best(warm.into_iter().chain(cold).collect()).expect("a family has a start")
     }
 
     fn cost(
