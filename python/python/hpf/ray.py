@@ -290,7 +290,7 @@ class _Learner:
     """A run of a sweep."""
 
     rollout: _Rollout | None
-    answers: Literal["costs", "trace"] | None
+    answers: Literal["costs", "trace", "residuals"] | None
     batch: bool
 
     def __call__(self, piece: tuple[Mapping[str, Any], _hpf.Task, int]) -> SweepRun:
