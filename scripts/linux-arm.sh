@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs the tests of hpf-core and the golden bits of firmware/ as a 64-bit ARM Linux program under qemu-user.
+# Runs the tests of hpf-core and the golden bits of firmware/ as a 64-bit ARM Linux program under qemu-user; arguments are
+# those of the tests, such as `--skip energy::`.
 # Installs what it needs: the Rust target by rustup, a linker, its C library and qemu-user from Debian. Exits non-zero if
 # a test fails; where the tools cannot be installed it says so and exits 0 with nothing checked, in CI
 # with 1 (scripts/skip.sh).
@@ -24,7 +25,7 @@ export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="timeout 1800 qemu-aarch64 
 # Emulation is slow: fewer updates of the long tests than on the host.
 export HPF_CAMPAIGN_UPDATES=${HPF_CAMPAIGN_UPDATES:-200000} HPF_HOUR_SECONDS=${HPF_HOUR_SECONDS:-20}
 echo "== tests of hpf-core, $target"
-cargo test --locked --quiet --package hpf-core --tests --target "$target"
+cargo test --locked --quiet --package hpf-core --tests --target "$target" -- "$@"
 echo "== golden bits, $target"
 cd firmware
 cargo test --locked --quiet --lib --target "$target"
