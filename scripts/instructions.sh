@@ -59,7 +59,7 @@ if grep -q avx2 /proc/cpuinfo; then
     done <<'BOUNDS'
 cantilever rollouts 500 1840
 cantilever update 500 740
-via_point rollouts 500 3220
+via_point rollouts 500 3040
 via_point update 500 1250
 BOUNDS
 fi

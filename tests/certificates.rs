@@ -203,7 +203,7 @@ fn swings(stiffness: f64, contact_damping: f64) -> bool {
         }
         (readings, tool) = ([-force(next, mass, velocity), readings[0]], next);
         let third = &mut largest[3 * tick / ticks];
-        // The force, not the place: where the free mass comes to rest depends on the push.
+        // The force, not the place: where the free mass ends depends on the push.
         *third = third.max(readings[0].abs());
     }
     largest[2] >= largest[1]

@@ -228,7 +228,7 @@ impl PySession {
         kind_name(self.source.plan.kind())
     }
 
-    /// Saves all answers so far as the folder `path`, whole or not at all; over what this session saved there before, and
+    /// Saves all answers so far as the folder `path`, whole or not at all; over what it saved there before, and
     /// with `force` over another one. Without a path: where it was saved last.
     #[pyo3(signature = (path = None, *, force = false))]
     fn save(&mut self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<()> {

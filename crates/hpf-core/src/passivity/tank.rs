@@ -87,7 +87,8 @@ impl<T: Real> EnergyTank<T> {
     pub fn valve(&self, left: T, step: T) -> T {
         let open = (T::of(VALVE) * (self.capacity - self.reserve)).at_least(T::of(VALVE_STEPS) * step);
         // A tank that can spend nothing, or less, is shut; a set-point of zero costs nothing.
-        left.at_least(T::ZERO).select_below(open, left.at_least(T::ZERO) / open, T::ONE)
+        let left = left.at_least(T::ZERO);
+        left.select_below(open, left / open, T::ONE)
     }
 
     /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].
