@@ -15,6 +15,7 @@ mod repair;
 mod rules;
 mod sizes;
 
+use hpf_core::domain::{DECAY, LARGEST, SMALLEST};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +24,7 @@ use crate::environment::{Actuator, Contact, Disturbance, Recording, Sensor};
 pub(crate) use reading::read;
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
-pub(crate) use keys::nearest;
+pub(crate) use keys::{nearest, plain};
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset, Safety,
     TemperatureKind,
@@ -64,7 +65,7 @@ pub struct Task {
     /// Name of the task and of its run directory: letters, digits, `_`, `-` and `.`.
     pub name: String,
     /// Duration of the movement [s].
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = SMALLEST, max = LARGEST))]
     pub duration: f64,
     /// Control and logging rate [Hz].
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -162,7 +163,7 @@ impl Unit {
 #[schemars(deny_unknown_fields)]
 pub struct Phase {
     /// Decay over the duration: s(T) = exp(-decay).
-    #[schemars(extend("exclusiveMinimum" = 0), range(max = 100))]
+    #[schemars(range(min = DECAY[0], max = DECAY[1]))]
     pub decay: f64,
 }
 

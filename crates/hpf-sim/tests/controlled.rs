@@ -188,3 +188,79 @@ fn settings_say_where_they_are_wrong_and_what_is_near() {
     let refused = Simulation::new(&task, &policy).unwrap().controlled(&policy, &settings).unwrap_err().to_string();
     assert!(refused.starts_with("the controller refuses: goal must lie in"), "{refused}");
 }
+
+#[test]
+fn every_mistake_of_settings_is_found_at_once_also_beside_a_list_of_the_wrong_length() {
+    let (task, _) = task(REACH, 1000.0, "");
+    let text = "press = [1.0, 2.0]\n[limits]\nforce = 0.5\nvelocity = [-1.0]\n[readings]\ntool_mass = 1e10\n\
+                dead_zone = -1.0\ngravity = [1e10]\n[tank]\ncapacity = 1e-10\nreserve = 1e10\npower = 1e300\n\
+                [port]\nforce_bias = -2\n[timing]\noldest_force = 4294967296\n";
+    let found = Settings::parse(text, &task.axis).unwrap_err();
+    let all: Vec<(&str, &str)> = found.iter().map(|one| (&text[one.span.clone()], &*one.message)).collect();
+    let expected = [
+        ("[1.0, 2.0]", "2 entries for 1 axis"),
+        ("[1.0, 2.0]", "`press` of axis `x` is 1, above its largest force, 0.5"),
+        ("-1.0", "`velocity` is out of range: -1"),
+        ("1e10", "`tool_mass` is out of range: 1e10"),
+        ("-1.0", "`dead_zone` is out of range: -1"),
+        ("1e10", "`gravity` is out of range: 10000000000"),
+        ("1e-10", "`capacity` is out of range: 1e-10"),
+        ("1e10", "`reserve` is out of range: 1e10"),
+        ("1e300", "`power` is out of range: 1e300"),
+        ("-2", "`force_bias` is out of range: -2"),
+        ("4294967296", "`oldest_force` is out of range: 4294967296"),
+    ];
+    assert_eq!(all, expected);
+    let helps = found.iter().map(|one| one.help.as_str()).collect::<Vec<_>>();
+    assert_eq!(helps[10], "`oldest_force` must be a whole number from 0 to 4294967295");
+    assert_eq!(helps[8], "`power` must be a number from 1e-9 to 1e9");
+}
+
+#[test]
+fn settings_that_are_read_are_settings_that_a_controller_takes() {
+    let (task, policy) = task(REACH, 1000.0, "");
+    let simulation = Simulation::new(&task, &policy).unwrap();
+    let keys = [
+        ("limits", "force"),
+        ("limits", "offset"),
+        ("limits", "velocity"),
+        ("limits", "acceleration"),
+        ("limits", "position_min"),
+        ("limits", "position_max"),
+        ("trips", "force"),
+        ("trips", "tracking"),
+        ("readings", "tool_mass"),
+        ("readings", "gravity"),
+        ("readings", "cutoff"),
+        ("readings", "dead_zone"),
+        ("tank", "capacity"),
+        ("tank", "reserve"),
+        ("tank", "refill"),
+        ("tank", "power"),
+        ("port", "force_delay"),
+        ("port", "force_bias"),
+        ("timing", "ramp"),
+        ("timing", "hold"),
+        ("timing", "oldest_force"),
+    ];
+    let sizes =
+        ["0", "1", "6", "7", "1e-10", "1e-9", "0.5", "10.0", "1e9", "1.1e9", "1e300", "4294967295", "4294967296"];
+    let (mut taken, mut refused) = (0, 0);
+    for (table, key) in keys {
+        for number in sizes.iter().flat_map(|size| [(*size).to_owned(), format!("-{size}")]) {
+            let capacity = if key == "capacity" { "" } else { "capacity = 1e9\n" };
+            let tank = if matches!(table, "tank" | "port") { format!("[tank]\n{capacity}") } else { String::new() };
+            let head = if table == "tank" { String::new() } else { format!("[{table}]\n") };
+            match Settings::parse(&format!("{tank}{head}{key} = {number}\n"), &task.axis) {
+                Ok(settings) => {
+                    taken += 1;
+                    if let Err(error) = simulation.controlled(&policy, &settings) {
+                        panic!("{table}.{key} = {number} is read, and refused later: {error}");
+                    }
+                }
+                Err(_) => refused += 1,
+            }
+        }
+    }
+    assert!(taken > 100 && refused > 100, "{taken} {refused}");
+}

@@ -70,7 +70,8 @@ impl<'s> Page<'s> {
             if let Some(bound) = schema[name].as_i64() {
                 limits.push(format!("{sign} {bound}"));
             } else if let Some(bound) = schema[name].as_f64() {
-                limits.push(format!("{sign} {bound}"));
+                let (plain, short) = (bound.to_string(), format!("{bound:e}"));
+                limits.push(format!("{sign} {}", if plain.len() > 7 { short } else { plain }));
             }
         }
         limits.join(", ")

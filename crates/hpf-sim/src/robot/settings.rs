@@ -11,7 +11,7 @@ use hpf_core::passivity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::task::{self, Axis, Mistakes, PerAxis};
+use crate::task::{self, Axis, Mistakes, PerAxis, plain};
 
 /// A number of the controller that nothing reaches: what is not limited.
 const WIDE: f64 = 1e6;
@@ -104,12 +104,12 @@ pub struct Trips {
 #[schemars(deny_unknown_fields)]
 pub struct Readings {
     /// Mass that hangs on the sensor [kg].
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0, max = LARGEST))]
     pub tool_mass: f64,
     /// Gravity along each axis [m/s^2].
     pub gravity: PerAxis,
     /// Cut-off of the force filter [Hz]; left out, no filter.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = SMALLEST, max = LARGEST))]
     pub cutoff: Option<f64>,
     /// Half width of the dead zone [N].
     pub dead_zone: PerAxis,
@@ -126,11 +126,11 @@ impl Default for Readings {
 #[schemars(deny_unknown_fields)]
 pub struct Tank {
     /// The most it holds, and what it starts with [J].
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = SMALLEST, max = LARGEST))]
     pub capacity: f64,
     /// What switching leaves in it [J].
     #[serde(default)]
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0, max = LARGEST))]
     pub reserve: f64,
     /// Share of what is dissipated that comes back.
     #[serde(default)]
@@ -138,7 +138,7 @@ pub struct Tank {
     pub refill: f64,
     /// The most that switching may put into one axis [W].
     #[serde(default = "default_power")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = SMALLEST, max = LARGEST))]
     pub power: f64,
 }
 
@@ -252,6 +252,14 @@ impl TimedRequest {
     }
 }
 
+/// A list of `count` entries has one for each of `axes`.
+fn check_length(path: &str, count: Option<usize>, axes: usize, say: &mut dyn FnMut(&str, String, String)) {
+    if let Some(count) = count.filter(|count| *count != axes) {
+        let kind = if axes == 1 { "axis" } else { "axes" };
+        say(path, format!("{count} entries for {axes} {kind}"), "one value for all axes, or one for each".into());
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -276,7 +284,7 @@ impl Settings {
     /// Every mistake of keys, types, ranges and lengths with its place, in the order of the text; a workspace without a
     /// width, or one that leaves out where an axis starts or ends; a press above the largest force.
     pub fn parse(text: &str, axes: &[Axis]) -> Result<Self, Mistakes> {
-        task::read(text, &Self::schema(), "the settings", |settings: &Self, say| settings.check(axes, say))
+        task::read(text, &Self::schema(), "a settings file", |settings: &Self, say| settings.check(axes, say))
     }
 
     /// The JSON schema of the settings file.
@@ -295,71 +303,57 @@ impl Settings {
         if self.port.is_some() && self.tank.is_none() {
             say("port", "a port without a tank".into(), "the port keeps the tank's energy: add [tank]".into());
         }
+        self.check_lists(axes.len(), say);
+        self.check_axes(axes, say);
+    }
+
+    /// Lists as long as they must be, of numbers that a controller takes.
+    fn check_lists(&self, axes: usize, say: &mut dyn FnMut(&str, String, String)) {
         let Limits { force, offset, velocity, acceleration, position_min, position_max } = &self.limits;
-        let sizes = [
-            ("limits.force", force),
-            ("limits.offset", offset),
-            ("limits.velocity", velocity),
-            ("limits.acceleration", acceleration),
-            ("trips.force", &self.trips.force),
-            ("trips.tracking", &self.trips.tracking),
+        let positive = [SMALLEST, LARGEST];
+        let size = [0.0, LARGEST];
+        let either_way = [-LARGEST, LARGEST];
+        let lists = [
+            ("limits.force", force.as_ref(), positive),
+            ("limits.offset", offset.as_ref(), positive),
+            ("limits.velocity", velocity.as_ref(), positive),
+            ("limits.acceleration", acceleration.as_ref(), positive),
+            ("limits.position_min", position_min.as_ref(), either_way),
+            ("limits.position_max", position_max.as_ref(), either_way),
+            ("trips.force", self.trips.force.as_ref(), positive),
+            ("trips.tracking", self.trips.tracking.as_ref(), positive),
+            ("press", self.press.as_ref(), either_way),
+            ("readings.gravity", Some(&self.readings.gravity), either_way),
+            ("readings.dead_zone", Some(&self.readings.dead_zone), size),
+            ("port.force_bias", self.port.as_ref().map(|port| &port.force_bias), size),
         ];
-        for (path, numbers) in sizes {
-            let outside = |number: &&f64| !(SMALLEST..=LARGEST).contains(*number);
-            if let Some(number) = numbers.as_ref().and_then(|numbers| numbers.values().iter().find(outside)) {
-                let key = path.rsplit('.').next().unwrap_or(path);
-                let help = format!("`{key}` must lie between {SMALLEST:e} and {LARGEST:e}");
-                say(path, format!("`{key}` is out of range: {number:?}"), help);
+        let goals = self.request.iter().enumerate().filter_map(|(i, request)| match request {
+            TimedRequest::Goal(goal) => Some((format!("request.{i}.position"), &goal.position)),
+            _ => None,
+        });
+        let lists = lists.into_iter().filter_map(|(path, list, bounds)| Some((path.to_owned(), list?, bounds)));
+        for (path, list, [least, most]) in lists.chain(goals.map(|(path, goal)| (path, goal, either_way))) {
+            check_length(&path, list.count(), axes, say);
+            let key = path.rsplit('.').next().unwrap_or(&path);
+            for (i, number) in list.values().iter().enumerate().filter(|(_, number)| !(least..=most).contains(*number))
+            {
+                let help = format!("`{key}` must lie between {} and {}", plain(least), plain(most));
+                say(&list.place(&path, i), format!("`{key}` is out of range: {}", plain(*number)), help);
             }
         }
-        let mut are_complete = true;
-        let mut length = |path: &str, count: Option<usize>| {
-            if let Some(count) = count.filter(|count| *count != axes.len()) {
-                are_complete = false;
-                let kind = if axes.len() == 1 { "axis" } else { "axes" };
-                let message = format!("{count} entries for {} {kind}", axes.len());
-                say(path, message, "one value for all axes, or one for each".into());
-            }
-        };
-        length(
-            "compliance",
-            match &self.compliance {
-                Some(PerAxisKind::Each(each)) => Some(each.len()),
-                _ => None,
-            },
-        );
-        let places =
-            [("limits.position_min", position_min), ("limits.position_max", position_max), ("press", &self.press)];
-        for (path, numbers) in sizes.into_iter().chain(places) {
-            length(path, numbers.as_ref().and_then(PerAxis::count));
-        }
-        length("port.force_bias", self.port.as_ref().and_then(|port| port.force_bias.count()));
-        length("readings.gravity", self.readings.gravity.count());
-        length("readings.dead_zone", self.readings.dead_zone.count());
-        for (i, request) in self.request.iter().enumerate() {
-            if let TimedRequest::Goal(goal) = request {
-                length(&format!("request.{i}.position"), goal.position.count());
-            }
-        }
-        if are_complete {
-            self.check_axes(axes, say);
+        if let Some(PerAxisKind::Each(each)) = &self.compliance {
+            check_length("compliance", Some(each.len()), axes, say);
         }
     }
 
-    /// What fits no axis of the task, each list as long as it must be.
+    /// What fits no axis of the task, as far as lists reach.
     fn check_axes(&self, axes: &[Axis], say: &mut dyn FnMut(&str, String, String)) {
         let Limits { force, position_min, position_max, .. } = &self.limits;
-        for (path, bound) in [("limits.position_min", position_min), ("limits.position_max", position_max)] {
-            if let Some(far) = bound.iter().flat_map(PerAxis::values).find(|number| number.abs() > LARGEST) {
-                let key = path.rsplit('.').next().unwrap_or(path);
-                let help = format!("`{key}` must lie between {:e} and {LARGEST:e}", -LARGEST);
-                return say(path, format!("`{key}` is out of range: {far:?}"), help);
-            }
-        }
+        let of = |list: &Option<PerAxis>, axis: usize| list.as_ref().and_then(|list| list.get(axis));
         for (i, axis) in axes.iter().enumerate() {
             let (name, unit) = (&axis.name, axis.unit.symbol());
-            let [min, max] = [(position_min, -WIDE), (position_max, WIDE)]
-                .map(|(bound, wide)| bound.as_ref().map_or(wide, |bound| bound.of(i)));
+            let [min, max] =
+                [(position_min, -WIDE), (position_max, WIDE)].map(|(bound, wide)| of(bound, i).unwrap_or(wide));
             let path = if position_max.is_some() { "limits.position_max" } else { "limits.position_min" };
             if min >= max {
                 let message = format!("the workspace of axis `{name}` has no width: {min} to {max} {unit}");
@@ -378,8 +372,8 @@ impl Settings {
                     say(path, message, format!("the workspace of `{name}` is {space}"));
                 }
             }
-            let largest = force.as_ref().map_or(WIDE, |force| force.of(i));
-            if let Some(press) = self.press.as_ref().map(|press| press.of(i)).filter(|press| press.abs() > largest) {
+            let largest = of(force, i).unwrap_or(WIDE);
+            if let Some(press) = of(&self.press, i).filter(|press| press.abs() > largest) {
                 let message = format!("`press` of axis `{name}` is {press}, above its largest force, {largest}");
                 say("press", message, "`press` must not exceed `limits.force`".into());
             }

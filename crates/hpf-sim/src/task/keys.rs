@@ -5,8 +5,9 @@
 
 use core::fmt::Write as _;
 use core::ops::{Range, RangeInclusive};
+use std::borrow::Cow;
 
-use serde_json::Value as Schema;
+use serde_json::{Number, Value as Schema};
 use toml::Spanned;
 use toml::de::{DeArray, DeInteger, DeTable, DeValue};
 
@@ -280,7 +281,7 @@ impl<'s> Walk<'s> {
                 format!("`{key}` must be {}", self.describe(schema)),
             );
         }
-        let bound = |name: &str| schema[name].as_f64();
+        let bound = |name: &str| bound(schema, name).and_then(|number| number.as_f64());
         let outside = bound("minimum").is_some_and(|min| value < min)
             || bound("exclusiveMinimum").is_some_and(|min| value <= min)
             || bound("maximum").is_some_and(|max| value > max)
@@ -324,11 +325,10 @@ impl<'s> Walk<'s> {
             text += &self.shape(schema);
         }
         // A whole number is written as it is, whatever its size.
-        let bound = |name: &str| match &schema[name] {
-            Schema::Number(number) => {
-                Some(number.as_f64().filter(|_| number.is_f64()).map_or(number.to_string(), |n| n.to_string()))
-            }
-            _ => None,
+        let bound = |name: &str| {
+            let number = bound(schema, name)?;
+            let float = number.as_f64().filter(|_| number.is_f64());
+            Some(float.map_or(number.to_string(), |n| if n.abs() < 1e7 { plain(n) } else { format!("{n:e}") }))
         };
         let (min, max) = (bound("minimum"), bound("maximum"));
         let _ = match (min, bound("exclusiveMinimum"), max, bound("exclusiveMaximum")) {
@@ -366,6 +366,22 @@ impl<'s> Walk<'s> {
             let _ = write!(text, ", each under [[{key}]]");
         }
         text
+    }
+}
+
+/// A number without hundreds of zeros.
+pub(crate) fn plain(value: f64) -> String {
+    if value == 0.0 || (1e-6..1e15).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
+}
+
+/// A bound of a number: the one that is given, or that of the integers it is one of.
+fn bound<'s>(schema: &'s Schema, name: &str) -> Option<Cow<'s, Number>> {
+    match (&schema[name], name, schema["format"].as_str()) {
+        (Schema::Number(number), ..) => Some(Cow::Borrowed(number)),
+        (_, "maximum", Some("uint8")) => Some(Cow::Owned(u8::MAX.into())),
+        (_, "maximum", Some("uint16")) => Some(Cow::Owned(u16::MAX.into())),
+        (_, "maximum", Some("uint32")) => Some(Cow::Owned(u32::MAX.into())),
+        _ => None,
     }
 }
 

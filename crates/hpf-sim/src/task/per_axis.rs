@@ -39,6 +39,22 @@ impl PerAxis {
         }
     }
 
+    /// The value of axis `index`, where there is one.
+    pub(crate) fn get(&self, index: usize) -> Option<f64> {
+        match self {
+            Self::All(value) => Some(*value),
+            Self::Each(values) => values.get(index).copied(),
+        }
+    }
+
+    /// Where the `index`th of [`values`](Self::values) stands, in a file that has this under `path`.
+    pub(crate) fn place(&self, path: &str, index: usize) -> String {
+        match self {
+            Self::All(_) => path.to_owned(),
+            Self::Each(_) => format!("{path}.{index}"),
+        }
+    }
+
     /// All values written down.
     pub fn values(&self) -> &[f64] {
         match self {

@@ -4,9 +4,9 @@ mod learning;
 
 use core::fmt::Display;
 
-use hpf_core::domain::{ALPHA, DECAY, LARGEST, SMALLEST};
+use hpf_core::domain::{ALPHA, LARGEST, SMALLEST};
 
-use super::keys::Document;
+use super::keys::{Document, plain};
 use super::{
     Diagnostic, Environment, Gain, MAX_AXES, MAX_MEMORY, MAX_NUMBERS, MAX_STEPS, MIN_GOAL_DISTANCE, NamedScaling,
     PerAxis, Scaling, Task, Unit, WHOLE_STEPS,
@@ -128,7 +128,7 @@ impl Rules<'_, '_, '_> {
             self.axis_count("movement.scaling.amplitude", &given.amplitude);
             for (i, _) in given.amplitude.values().iter().enumerate().filter(|(_, scale)| **scale == 0.0) {
                 self.say(
-                    &element("movement.scaling.amplitude", &given.amplitude, i),
+                    &given.amplitude.place("movement.scaling.amplitude", i),
                     "a forcing scale of 0 leaves nothing to learn",
                     "`amplitude` must be a number other than 0",
                 );
@@ -164,10 +164,10 @@ impl Rules<'_, '_, '_> {
                 let least = if positive { "above 0" } else { "at least 0" };
                 if number < 0.0 || (positive && number == 0.0) {
                     let message = format!("`{key}` is out of range: {number}");
-                    self.say(&element(path, value, i), message, format!("`{key}` must be {least}"));
+                    self.say(&value.place(path, i), message, format!("`{key}` must be {least}"));
                 } else if positive {
                     let bounds = if path == "movement.alpha" { ALPHA } else { [SMALLEST, LARGEST] };
-                    self.within(&element(path, value, i), key, number, bounds);
+                    self.within(&value.place(path, i), key, number, bounds);
                 }
             }
         }
@@ -182,17 +182,9 @@ impl Rules<'_, '_, '_> {
         }
     }
 
-    /// Bounds of what is one number for all axes, and of the ends of the motion.
+    /// Bounds of the ends of the motion.
     fn domain(&mut self) {
-        let task = self.task;
-        if task.duration > 0.0 {
-            self.within("duration", "duration", task.duration, [SMALLEST, LARGEST]);
-        }
-        // Above the largest: told already.
-        if task.phase.decay > 0.0 && task.phase.decay <= DECAY[1] {
-            self.within("phase.decay", "decay", task.phase.decay, DECAY);
-        }
-        for (i, axis) in task.axis.iter().enumerate() {
+        for (i, axis) in self.task.axis.iter().enumerate() {
             for (key, number) in [("start", axis.start), ("goal", axis.goal)] {
                 self.within(&format!("axis.{i}.{key}"), key, number, [-LARGEST, LARGEST]);
             }
@@ -221,12 +213,12 @@ impl Rules<'_, '_, '_> {
             let (min, max, initial) = (gain.min.of(i), gain.max.of(i), gain.initial.of(i));
             if min > max {
                 let message = format!("`min` is above `max` on axis `{}`: {min} > {max}", axis.name);
-                let path = element(&format!("{name}.min"), &gain.min, i);
+                let path = gain.min.place(&format!("{name}.min"), i);
                 self.say(&path, message, format!("{name}.min must not be above {name}.max"));
                 return;
             } else if !(min..=max).contains(&initial) {
                 let message = format!("`initial` is outside its bounds on axis `{}`: {initial}", axis.name);
-                let path = element(&format!("{name}.initial"), &gain.initial, i);
+                let path = gain.initial.place(&format!("{name}.initial"), i);
                 self.say(&path, message, format!("`initial` must lie between min = {min} and max = {max}"));
                 return;
             }
@@ -380,18 +372,6 @@ impl Rules<'_, '_, '_> {
 }
 
 /// The path of the value of axis `i`: that of one number for all axes, or of its place in the array.
-fn element(path: &str, value: &PerAxis, i: usize) -> String {
-    match value {
-        PerAxis::All(_) => path.to_owned(),
-        PerAxis::Each(_) => format!("{path}.{i}"),
-    }
-}
-
 fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
-}
-
-/// A number without hundreds of zeros.
-fn plain(value: f64) -> String {
-    if (1e-6..1e15).contains(&value) { value.to_string() } else { format!("{value:e}") }
 }
