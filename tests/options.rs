@@ -85,3 +85,30 @@ fn completions_know_every_command_in_every_shell() {
         Command::new("bash").current_dir(folder.path()).args(["-n", "hpf.bash"]).output().expect("bash starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn numbers_that_cannot_be_are_refused_with_what_is_allowed() {
+    let folder = folder();
+    let cases = [
+        (&["learn", "t.toml", "--seed", "99999999999999999999"][..], "a whole number from 0 to 9223372036854775807"),
+        (&["learn", "t.toml", "--seed", "-1"], "a whole number from 0 to 9223372036854775807"),
+        (&["learn", "t.toml", "--threads", "0"], "a whole number from 1 to 1024"),
+        (&["imitate", "d.csv", "--basis", "99999999999999999999"], "a whole number from 2 to 1000"),
+        (&["imitate", "d.csv", "--alpha", "nan"], "it must be a number"),
+        (&["imitate", "d.csv", "--decay", "inf"], "it must be a number"),
+        (&["run", "policy.json", "--rate", "nan"], "it must be a number"),
+        (&["check", "policy.json", "--lag", "1e999"], "it must be a number"),
+        (&["sweep", "t.toml", "--seeds", "1001"], "a whole number from 1 to 1000"),
+        (&["benchmark", "--motions", "10"], "a whole number from 100 to 10000000"),
+    ];
+    for (arguments, allowed) in cases {
+        let (_, error) = expect(2, folder.path(), arguments);
+        assert!(error.contains(allowed) && error.contains(arguments[arguments.len() - 1]), "{arguments:?}: {error}");
+    }
+    let reach = task("reach.toml");
+    for number in ["99999999999999999999", "1e400"] {
+        let (_, error) = expect(2, folder.path(), &["check", &reach, "--set", &format!("learning.updates={number}")]);
+        let reason = "is not a TOML value: numbers are finite, whole ones have 64 bits with a sign";
+        assert!(error.contains(reason), "{error}");
+    }
+}

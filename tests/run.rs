@@ -188,6 +188,34 @@ fn a_run_off_the_clock_or_the_goal_of_its_task_says_so() {
 }
 
 #[test]
+fn a_request_that_is_refused_is_named_with_its_time_and_its_reason() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    let settings = "[limits]\nposition_max = 0.5\n\
+        [[request]]\nkind = \"start\"\ntime = 0.2\n[[request]]\nkind = \"tare\"\ntime = 0.1\n\
+        [[request]]\nkind = \"tare\"\ntime = 0.3\n[[request]]\nkind = \"goal\"\ntime = 0.4\nposition = 0.6\n\
+        [[request]]\nkind = \"reset\"\ntime = 0.5\n";
+    std::fs::write(folder.path().join("settings.toml"), settings).unwrap();
+    let args = ["run", "runs/reach", "--controller", "--settings", "settings.toml", "--rate", "1000", "--json"];
+    let args: [&[&str]; 2] = [&args[..args.len() - 1], &args];
+    let [text, json] = args.map(|args| String::from_utf8(crate::support::hpf(folder.path(), args).stdout).unwrap());
+    let expected = [
+        ("tare", 0.1, "the force has not stood still"),
+        ("tare", 0.3, "not in run"),
+        ("goal", 0.4, "it lies outside the workspace"),
+        ("reset", 0.5, "not in run"),
+    ];
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let refused = json["controller"]["refused"].as_array().unwrap();
+    assert_eq!((refused.len(), json["controller"]["requests_refused"].as_u64()), (4, Some(4)), "{json}");
+    for ((request, time, reason), refused) in expected.iter().zip(refused) {
+        assert_eq!((refused["request"].as_str(), refused["reason"].as_str()), (Some(*request), Some(*reason)));
+        assert!((refused["time_s"].as_f64().unwrap() - time).abs() < 1e-9, "{refused}");
+        assert!(text.contains(&format!("  refused        {request} at {time:.4} s: {reason}\n")), "{text}");
+    }
+}
+
+#[test]
 fn a_force_away_from_the_contact_is_warned_of() {
     let folder = folder();
     expect(0, folder.path(), &["learn", &task("wall.toml"), "--quiet", "--set", "accept={}"]);

@@ -2,6 +2,7 @@
 
 pub mod imitate;
 pub mod init;
+pub mod numbers;
 
 use std::path::PathBuf;
 
@@ -13,6 +14,7 @@ use crate::style::ColorChoice;
 use hpf::export::{Format, Precision};
 use hpf::figure;
 use hpf_studies::sweep::Shard;
+use numbers::{number, whole};
 
 /// Learn, run and inspect compliant robot skills: motion, stiffness and damping in one.
 #[derive(Debug, Parser)]
@@ -89,10 +91,10 @@ worst over the seeds, and a figure per task in images/benchmarks/. Seeds count u
 pub struct Common {
     /// Seed of all random numbers [default: the task's]
     #[arg(long, global = true, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(value_parser = whole(0..=i64::MAX as u64))]
     pub seed: Option<u64>,
     /// Threads for rollouts; the results are the same for any number [default: one per core]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = whole(1..=1024_u16))]
     pub threads: Option<u16>,
     /// Where results go: a directory for learn, run, plot, manual [default: runs/NAME, none, RUN/plots, man]; a file for
     /// export, init, schema, completions, recover [default: see their help], or - for stdout
@@ -247,7 +249,7 @@ pub struct Simulate {
     #[arg(long, value_name = "TASK")]
     pub task: Option<PathBuf>,
     /// Control rate [Hz] [default: the task's]
-    #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true, value_parser = number)]
     pub rate: Option<f64>,
     /// Override a key of the environment: disturbance, contact, sensor, actuator, via_point, cost, accept, rate
     #[arg(long, value_name = "KEY.PATH=VALUE")]
@@ -284,28 +286,28 @@ pub struct Check {
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,
     /// Control rate of a policy [Hz] [default: that of task.toml beside it, else 1000]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = number)]
     pub rate: Option<f64>,
     /// Age of the measured force [s] [default: sensor.delay of that task, else one sample]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = number)]
     pub delay: Option<f64>,
     /// Time constant with which the robot follows its command [s] [default: actuator.lag of that task, else 0]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = number)]
     pub lag: Option<f64>,
     /// Cut-off of the force filter of the controller [Hz] [default: no filter]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = number)]
     pub cutoff: Option<f64>,
     /// Mass of the tool behind the force sensor [kg or kg m^2] [default: 0]
-    #[arg(long, value_name = "KG")]
+    #[arg(long, value_name = "KG", value_parser = number)]
     pub tool_mass: Option<f64>,
     /// Mass of what the tool touches [kg or kg m^2] [default: 0]
-    #[arg(long, value_name = "KG")]
+    #[arg(long, value_name = "KG", value_parser = number)]
     pub contact_mass: Option<f64>,
     /// Damping of what the tool touches [N s/m or N m s/rad] [default: 0]
-    #[arg(long, value_name = "N_S_PER_M")]
+    #[arg(long, value_name = "N_S_PER_M", value_parser = number)]
     pub contact_damping: Option<f64>,
     /// Largest force of the environment [N or N m] [default: 10]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = number)]
     pub load: Option<f64>,
 }
 
@@ -333,7 +335,7 @@ pub struct Sweep {
     #[arg(value_name = "TASK")]
     pub task: PathBuf,
     /// Runs of every setting, each with a seed of its own
-    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = whole(1..=1000_u32))]
     pub seeds: u32,
     /// Vary a key of the task over these values; several make a grid
     #[arg(long, value_name = "KEY.PATH=VALUE,VALUE...")]
@@ -356,7 +358,7 @@ pub struct Sweep {
 #[derive(Args, Debug)]
 pub struct Reproduce {
     /// Runs of every task, each with a seed of its own
-    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = whole(1..=1000_u32))]
     pub seeds: u32,
     /// Fail where what stands between the marks of this page is not what comes out
     #[arg(long, value_name = "FILE", conflicts_with = "update")]
@@ -370,10 +372,10 @@ pub struct Reproduce {
 #[derive(Args, Debug)]
 pub struct Benchmark {
     /// Runs of every method on every task, each with a seed of its own
-    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = whole(1..=1000_u32))]
     pub seeds: u32,
     /// Most motions of a run, evaluations included
-    #[arg(long, value_name = "COUNT", default_value_t = 4000, value_parser = most_motions)]
+    #[arg(long, value_name = "COUNT", default_value_t = 4000, value_parser = whole(100..=10_000_000_usize))]
     pub motions: usize,
     /// Only these tasks, such as via_point,wall [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -381,11 +383,6 @@ pub struct Benchmark {
     /// Add the results to this table of all versions; rows of this version that measure the same are replaced
     #[arg(long, value_name = "FILE")]
     pub history: Option<PathBuf>,
-}
-
-fn most_motions(text: &str) -> Result<usize, String> {
-    let motions = text.parse().ok().filter(|motions| (100..=10_000_000).contains(motions));
-    motions.ok_or_else(|| "a whole number from 100 to 10000000".into())
 }
 
 /// `hpf info`

@@ -10,5 +10,5 @@
 mod conduct;
 mod settings;
 
-pub use conduct::{Conduct, Tally};
+pub use conduct::{Conduct, Refusal, Tally};
 pub use settings::{Kind, Limits, Readings, Settings, Tank, TimedRequest, Timing, Trips};

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 
 use hpf_core::controller::{Mode, Status};
 use hpf_core::limits::Hits;
-use hpf_sim::robot::{Conduct, Settings, Tally, TimedRequest};
+use hpf_sim::robot::{Conduct, Refusal, Settings, Tally, TimedRequest};
 use hpf_sim::task::{Axis, Task};
 use serde_json::{Value, json};
 
@@ -99,6 +99,11 @@ impl Controlled {
         self.conduct.end().and_then(|step| time.get(step + 1)).copied()
     }
 
+    /// When a request was made [s].
+    fn asked_at(&self, refusal: &Refusal, time: &[f64]) -> f64 {
+        time.get(refusal.step).copied().unwrap_or(0.0)
+    }
+
     /// Why the measures, which go by the clock and the goal of the task, are not those of the movement itself.
     fn off_the_task(&self, task: &Task, time: &[f64]) -> Option<String> {
         let end = self.end(time);
@@ -151,11 +156,11 @@ impl Controlled {
                 if tally.short == 1 { "" } else { "s" }
             );
         }
-        let [force, input, time] = tally.bad;
+        let [force, input, clock] = tally.bad;
         let counts = [
             ("bad force", "bad forces", force),
             ("bad input", "bad inputs", input),
-            ("bad time", "bad times", time),
+            ("bad time", "bad times", clock),
             ("request refused", "requests refused", tally.refused),
             ("step above a trip level", "steps above a trip level", tally.trips),
             ("fault", "faults", tally.faults),
@@ -167,6 +172,10 @@ impl Controlled {
             .collect();
         let _ =
             writeln!(text, "  faults         {}", if counts.is_empty() { "none".into() } else { counts.join(", ") });
+        for refusal in &self.conduct.refusals {
+            let (time, Refusal { request, reason, .. }) = (self.asked_at(refusal, time), refusal);
+            let _ = writeln!(text, "  refused        {request} at {} s: {reason}", number(time));
+        }
         if tally.unasked > 0 {
             let _ = writeln!(text, "  requests       {} never made: the motion ends before", tally.unasked);
         }
@@ -179,6 +188,10 @@ impl Controlled {
         let changes = self.changes(time).into_iter().map(|(time, mode)| json!({ "time_s": time, "mode": mode }));
         let hits: serde_json::Map<String, Value> =
             Tally::LIMITS.iter().zip(tally.hits).map(|(name, steps)| ((*name).to_owned(), json!(steps))).collect();
+        let refused = self.conduct.refusals.iter().map(|refusal| {
+            let Refusal { request, reason, .. } = refusal;
+            json!({ "time_s": self.asked_at(refusal, time), "request": request, "reason": reason })
+        });
         let ([bad_force, bad_input, bad_time], end) = (tally.bad, self.end(time));
         json!({
             "modes": changes.collect::<Vec<_>>(), "end_s": end,
@@ -188,7 +201,7 @@ impl Controlled {
             "energy_short_steps": tally.short,
             "least_energy_j": self.settings.tank.as_ref().map(|_| tally.least_energy),
             "bad_forces": bad_force, "bad_inputs": bad_input, "bad_times": bad_time,
-            "requests_refused": tally.refused, "requests_never_made": tally.unasked, "trips": tally.trips, "faults": tally.faults,
+            "requests_refused": tally.refused, "refused": refused.collect::<Vec<_>>(), "requests_never_made": tally.unasked, "trips": tally.trips, "faults": tally.faults,
         })
     }
 }

@@ -50,7 +50,11 @@ fn set(root: &mut dyn TableLike, one: &str) -> Result<(), String> {
         Ok(value) => value,
         // A shell takes the quotes off: a bare word is a text.
         Err(_) if is_word => Value::from(value),
-        Err(_) => return Err(format!("`{value}` is not a TOML value")),
+        Err(_) => {
+            let begins_as_number = value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+            let help = if begins_as_number { ": numbers are finite, whole ones have 64 bits with a sign" } else { "" };
+            return Err(format!("`{value}` is not a TOML value{help}"));
+        }
     };
     let parts: Vec<&str> = path.split('.').collect();
     if parts.contains(&"") {

@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
+use super::numbers::{not_negative, number, positive, whole};
 use clap::{Args, ValueEnum};
 use hpf_sim::demonstration::{
     DampingFrom, DurationFrom, Fit, Follow, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom,
 };
+use hpf_sim::task::MAX_BASIS;
 
 /// Examples of `hpf imitate --help`.
 pub const HELP: &str = "\
@@ -49,13 +51,13 @@ pub struct Options {
     #[arg(long, value_name = "HZ|off", value_parser = smoothing)]
     smooth: Option<Smoothing>,
     /// Basis functions of each primitive
-    #[arg(long, default_value_t = 20, value_name = "N")]
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = whole(2..=MAX_BASIS))]
     basis: usize,
     /// Decay of the phase: s(T) = exp(-decay) [default: ln 100]
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = number)]
     decay: Option<f64>,
     /// Spring factor of the movement [default: 25]
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = number)]
     alpha: Option<f64>,
     /// Scale of the forcing term [default: goal, or range where an axis ends near its start]
     #[arg(long, value_enum, value_name = "KIND")]
@@ -67,7 +69,7 @@ pub struct Options {
     #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
     /// Via points on the mean path in the task, which keep later learning to it
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u16).range(..=1000))]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = whole(0..=1000_u16))]
     via_points: u16,
     /// Source of stiffness [default: columns, else emg, else spread of several, else constant]
     #[arg(long, value_enum, value_name = "SOURCE")]
@@ -174,18 +176,6 @@ enum DampingSource {
     Ratio,
     /// --damping
     Constant,
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "it must be a number".into())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("it must be above 0".into()) })
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err("it must be at least 0".into()) })
 }
 
 fn smoothing(text: &str) -> Result<Smoothing, String> {

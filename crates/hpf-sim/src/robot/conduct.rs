@@ -22,10 +22,23 @@ pub struct Conduct {
     pub command: Vec<Vec<f64>>,
     /// Force [N] on each axis as the model saw it in each step, within its limit, by step, then by axis.
     pub force: Vec<Vec<f64>>,
+    /// Requests that were refused, in their order.
+    pub refusals: Vec<Refusal>,
     /// Requests whose time never came.
     pub unasked: usize,
     /// What was counted.
     pub counters: Counters,
+}
+
+/// A request that was refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// The step it was made in.
+    pub step: usize,
+    /// Its kind, as in the settings file.
+    pub request: &'static str,
+    /// Why it was refused.
+    pub reason: String,
 }
 
 /// What a controller did over one motion, or over several, in numbers.

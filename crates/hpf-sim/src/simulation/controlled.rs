@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use hpf_core::controller::{Controller, Input, Output, Request};
+use hpf_core::controller::{Controller, Input, Mode, Output, Request};
 use hpf_core::{ConfigError, Lanes, Real as _};
 use hpf_learn::Cost;
 
@@ -16,7 +16,7 @@ use super::scenario::{Scenario, Set};
 use super::{Simulation, SimulationError};
 use crate::metrics::{Metric, over_draws};
 use crate::policy::Policy;
-use crate::robot::{Conduct, Settings, Tally, TimedRequest};
+use crate::robot::{Conduct, Refusal, Settings, Tally, TimedRequest};
 use crate::trace::Trace;
 
 impl Simulation {
@@ -101,7 +101,7 @@ impl Simulation {
         let mut conduct = Conduct::default();
         self.record(0, &controller.output(), &plants, trace);
         for i in 0..trace.time.len() - 1 {
-            let before = controller.output().axes.map(|axis| axis.position);
+            let (before, mode) = (controller.output().axes.map(|axis| axis.position), controller.output().mode);
             let request = requests.due(i as f64 * self.dt, position(&plants), 0.5 * self.dt);
             let input = Input {
                 measured_force: plants.each_ref().map(|plant| plant.reading().to_f64()),
@@ -113,6 +113,10 @@ impl Simulation {
             let output = controller.update(&input, self.dt);
             for ((plant, from), axis) in plants.iter_mut().zip(before).zip(&output.axes) {
                 plant.follow(i, Lanes([from]), Lanes([axis.position]));
+            }
+            if let Some(request) = input.request.as_ref().filter(|_| output.status.refused) {
+                let (request, reason) = refusal(request, mode);
+                conduct.refusals.push(Refusal { step: i, request, reason });
             }
             conduct.take(&output);
             self.record(i + 1, &output, &plants, trace);
@@ -140,6 +144,27 @@ impl Simulation {
                 (contact.deviation[i], contact.force[i]) = (deviation.to_f64(), force.to_f64());
             }
         }
+    }
+}
+
+/// The kind of a request that was refused in `mode`, and why.
+fn refusal<const D: usize>(request: &Request<f64, D>, mode: Mode) -> (&'static str, String) {
+    let not_in = || format!("not in {}", format!("{mode:?}").to_lowercase());
+    match request {
+        Request::Start => ("start", not_in()),
+        Request::Hold => ("hold", not_in()),
+        Request::Resume => ("resume", not_in()),
+        Request::Stop => ("stop", not_in()),
+        Request::Tare if mode == Mode::Idle => ("tare", "the force has not stood still".into()),
+        Request::Tare => ("tare", not_in()),
+        Request::Reset(_) if matches!(mode, Mode::Idle | Mode::Stop | Mode::Fault) => {
+            ("reset", "the robot is outside the workspace".into())
+        }
+        Request::Reset(_) => ("reset", not_in()),
+        Request::Goal(_) if matches!(mode, Mode::Idle | Mode::Run | Mode::Hold) => {
+            ("goal", "it lies outside the workspace".into())
+        }
+        Request::Goal(_) => ("goal", not_in()),
     }
 }
 
