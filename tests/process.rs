@@ -400,6 +400,18 @@ fn a_motion_that_crashes_every_time_is_rejected_and_learning_goes_on_within_its_
 }
 
 #[test]
+fn a_program_whose_every_answer_is_misshapen_is_not_started_for_other_motions() {
+    if !has_python() {
+        return;
+    }
+    let folder = folder();
+    let program = worker(folder.path(), "open('starts', 'a').write('x')\nsay(type='done', id=id, price=1.0)");
+    let (_, stderr) = learn(1, folder.path(), &["python3", &program], "run", &COSTS);
+    let starts = read(folder.path().join("starts"));
+    assert!(stderr.contains("none was ever answered right") && starts == "xxx", "{starts}: {stderr}");
+}
+
+#[test]
 fn a_start_that_fails_its_motion_is_learned_from_where_a_motion_near_it_does_not() {
     if !has_python() {
         return;

@@ -8,7 +8,7 @@ mod group;
 mod protocol;
 mod worker;
 
-use core::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use core::time::Duration;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -38,6 +38,8 @@ pub struct Process<'s> {
     free: Mutex<Vec<Worker>>,
     freed: Condvar,
     next: AtomicU64,
+    /// Whether a rollout was ever answered.
+    answered: AtomicBool,
     /// Rollouts rejected.
     lost: AtomicUsize,
     /// Why no more rollouts are made.
@@ -123,6 +125,7 @@ impl<'s> Process<'s> {
             free: Mutex::new(workers),
             freed: Condvar::new(),
             next: AtomicU64::new(1),
+            answered: AtomicBool::new(false),
             lost: AtomicUsize::new(0),
             failure: Mutex::new(None),
         })
@@ -182,6 +185,7 @@ impl<'s> Process<'s> {
         let Settings { timeout, tries, .. } = self.settings;
         let timeout = Duration::from_secs_f64(timeout);
         let (mut starts, mut attempts) = (0, 0);
+        let mut is_misshapen = false;
         // Nothing is started and nothing is moved any more where it is to end.
         while !self.is_stopped() {
             let is_start = !worker.is_running();
@@ -189,11 +193,14 @@ impl<'s> Process<'s> {
                 worker.start(&self.settings, &self.hello, self.kind, timeout, self.watch).map(|()| None)
             } else {
                 let line = worker.ask(request, timeout, self.watch);
-                line.and_then(|line| protocol::answer(&line, id, self.kind, trace)).map(Some)
+                let answer = line.map(|line| protocol::answer(&line, id, self.kind, trace));
+                is_misshapen = matches!(answer, Ok(Err(_)));
+                answer.flatten().map(Some)
             };
             let why = match done {
                 Ok(None) => continue,
                 Ok(Some(answer)) => {
+                    self.answered.store(true, Ordering::Relaxed);
                     if let Answer::Failed(why) = &answer {
                         self.watch.note(&worker.blame(&format!("rollout {id} failed: {why}")));
                     }
@@ -213,6 +220,9 @@ impl<'s> Process<'s> {
                 _ if is_stopped => self.watch.note(&why),
                 (true, true) => self.give_up(format!("{why}; it was started {tries} times")),
                 (true, false) => self.watch.note(&format!("{why}; it is started again")),
+                // Another motion would be answered like that too.
+                (false, true) if is_misshapen && !self.answered.load(Ordering::Relaxed) => self
+                    .give_up(format!("{why}; rollout {id} was tried {tries} times, and none was ever answered right")),
                 (false, true) => return self.lose(&why, id),
                 (false, false) => self.watch.note(&format!("{why}; rollout {id} is made again by a new one")),
             }
