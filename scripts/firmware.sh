@@ -8,11 +8,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../firmware"
 
 target=thumbv7em-none-eabihf
-if ! rustup target list --installed 2>/dev/null | grep -qx "$target"; then
-    rustup target add "$target" || skip "the Rust target $target cannot be installed" "nothing was run on an emulated microcontroller"
-fi
+install_target "$target" || skip "the Rust target $target cannot be installed" "nothing was run on an emulated microcontroller"
 if ! command -v qemu-system-arm >/dev/null; then
-    { apt-get update && apt-get install -y --no-install-recommends qemu-system-arm; } ||
+    install_packages qemu-system-arm ||
         skip "qemu-system-arm cannot be installed" "nothing was run on an emulated microcontroller"
 fi
 

@@ -11,7 +11,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 [ "$(uname -m)" = x86_64 ] || skip "the bounds are for x86-64" "no instruction was counted"
 if ! command -v valgrind >/dev/null; then
-    { apt-get update && apt-get install -y --no-install-recommends valgrind; } || skip "valgrind cannot be installed" "no instruction was counted"
+    install_packages valgrind || skip "valgrind cannot be installed" "no instruction was counted"
 fi
 
 unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS

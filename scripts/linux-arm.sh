@@ -10,11 +10,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 target=aarch64-unknown-linux-gnu
 library=/usr/aarch64-linux-gnu
-if ! rustup target list --installed 2>/dev/null | grep -qx "$target"; then
-    rustup target add "$target" || skip "the Rust target $target cannot be installed" "no test was run on an emulated ARM Linux"
-fi
+install_target "$target" || skip "the Rust target $target cannot be installed" "no test was run on an emulated ARM Linux"
 if ! { command -v qemu-aarch64 && command -v aarch64-linux-gnu-gcc && [ -e "$library/lib/libc.so.6" ]; } >/dev/null; then
-    { apt-get update && apt-get install -y --no-install-recommends gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user; } ||
+    install_packages gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user ||
         skip "gcc-aarch64-linux-gnu, libc6-dev-arm64-cross or qemu-user cannot be installed" "no test was run on an emulated ARM Linux"
 fi
 

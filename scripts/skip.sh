@@ -9,3 +9,16 @@ skip() {
     fi
     exit 0
 }
+
+# One at a time: scripts run side by side, and neither Debian's packages nor Rust's targets are installed by two at once.
+exclusive() { flock "${TMPDIR:-/tmp}/hpf-installs.lock" "$@"; }
+
+# Installs packages of Debian.
+install_packages() {
+    exclusive sh -c 'apt-get update && apt-get install -y --no-install-recommends "$@"' sh "$@"
+}
+
+# Installs a target of Rust, where it is not installed.
+install_target() {
+    rustup target list --installed 2>/dev/null | grep -qx "$1" || exclusive rustup target add "$1"
+}
