@@ -87,7 +87,23 @@ static bool try_unpack(void) {
     return same;
 }
 
+bool hpf_f32_pose(const f32 input[13], f32 dt, f32 out[8]);
+bool hpf_f64_pose(const f64 input[13], f64 dt, f64 out[8]);
+
+/* A step of orientation in both precisions, the quaternion of norm 1; four numbers that are no rotation are refused. */
+static bool try_pose(void) {
+    f64 input[13] = {0.5, 0.5, -0.5, 0.5, 0.1, -0.2, 0.3, 1, -2, 0.5, 0.2, 0.1, -0.3}, out[8], norm = 0, gap = 0;
+    f32 narrow[13], narrow_out[8];
+    for (int i = 0; i < 13; i++) narrow[i] = (f32)input[i];
+    if (!hpf_f64_pose(input, 0.001, out) || !hpf_f32_pose(narrow, 0.001F, narrow_out)) return false;
+    for (int i = 0; i < 4; i++) norm += out[i] * out[i];
+    for (int i = 0; i < 8; i++) gap = fmax(gap, fabs(out[i] - (f64)narrow_out[i]));
+    printf("  pose: w = %.6f after a step, single precision within %.0e\n", out[0], gap);
+    input[0] = 0.6;
+    return fabs(norm - 1) < 1e-14 && gap < 1e-5 && !hpf_f64_pose(input, 0.001, out);
+}
+
 int main(void) {
     bool single = try_f32(), twice = try_f64();
-    return single && twice && try_unpack() ? 0 : 1;
+    return single && twice && try_unpack() && try_pose() ? 0 : 1;
 }

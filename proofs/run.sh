@@ -25,20 +25,20 @@ surprise() {
 }
 
 build || surprise "the step does not build without an allocator"
-echo "proved  building, stepping and unpacking a skill and a controller needs no allocator: there is none"
+echo "proved  building, stepping and unpacking a skill and a controller, and a step of orientation, needs no allocator: there is none"
 
 link || surprise "a panic is reachable from the step, or it needs more than C's library"
-echo "proved  building, stepping and unpacking a skill and a controller reaches no panic: the program links"
+echo "proved  building, stepping and unpacking a skill and a controller, and a step of orientation, reaches no panic: the program links"
 
 target/proof || { : >"$log"; surprise "the linked program computes something else"; }
 echo "proved  the linked program runs and settles where it should, in f32 and f64"
 
-for control in negative-panic negative-panic-update negative-panic-unpack; do
+for control in negative-panic negative-panic-update negative-panic-unpack negative-panic-pose; do
     build --features $control || surprise "the control $control does not build"
     if link; then surprise "an index out of bounds links: the proof proves nothing"; fi
     grep -q hpf_panic_is_reachable "$log" || surprise "an index out of bounds fails to link for another reason"
 done
-echo "control an index that can be out of bounds does not link, in step, update nor unpack"
+echo "control an index that can be out of bounds does not link, in step, update, unpack nor pose"
 
 if build --features negative-alloc; then surprise "code that allocates builds: the proof proves nothing"; fi
 grep -q "no global memory allocator" "$log" || surprise "code that allocates fails to build for another reason"

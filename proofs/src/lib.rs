@@ -1,5 +1,5 @@
-//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped, and a packed skill is read and
-//! written, without a reachable panic and without a heap.
+//! Proof by linking: a skill and a controller of `hpf-core` are built and stepped, a packed skill is read and written, and
+//! orientation, stiffness with directions and rhythm are stepped, without a reachable panic and without a heap.
 //!
 //! The panic handler calls a function that exists nowhere, so a program links only if the linker finds no way from
 //! the functions exported here to a panic. There is no global allocator, so code that allocates does not build.
@@ -8,6 +8,8 @@
 
 #[cfg(feature = "negative-alloc")]
 extern crate alloc;
+
+mod pose;
 
 use core::mem::MaybeUninit;
 
@@ -176,7 +178,22 @@ fn weights<T: Real>(movement: &Movement<T, [T; N]>) -> impl Iterator<Item = f64>
 }
 
 macro_rules! export {
-    ($float:ident, $new:ident, $step:ident, $update:ident, $unpack:ident) => {
+    ($float:ident, $new:ident, $step:ident, $update:ident, $unpack:ident, $pose:ident) => {
+        /// A step of orientation, stiffness with directions and rhythm; returns whether the input was accepted.
+        ///
+        /// # Safety
+        /// The pointers point to as many numbers as their types say.
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $pose(
+            input: *const [$float; pose::IN],
+            dt: $float,
+            out: *mut [$float; pose::OUT],
+        ) -> bool {
+            // SAFETY: the caller's promise.
+            let (input, out) = unsafe { (&*input, &mut *out) };
+            pose::pose(input, dt, out).is_ok()
+        }
+
         /// Reads a packed skill and writes where a step of it leads; returns whether it was accepted.
         ///
         /// # Safety
@@ -242,5 +259,5 @@ macro_rules! export {
     };
 }
 
-export!(f32, hpf_f32_new, hpf_f32_step, hpf_f32_update, hpf_f32_unpack);
-export!(f64, hpf_f64_new, hpf_f64_step, hpf_f64_update, hpf_f64_unpack);
+export!(f32, hpf_f32_new, hpf_f32_step, hpf_f32_update, hpf_f32_unpack, hpf_f32_pose);
+export!(f64, hpf_f64_new, hpf_f64_step, hpf_f64_update, hpf_f64_unpack, hpf_f64_pose);

@@ -19,9 +19,11 @@
 //!
 //! Explicit Euler needs `h < 2 d/k` and blows up in contact; it is not here.
 
+mod coupled;
 mod inertial;
 mod law;
 
+pub use coupled::{CoupledInertia, CoupledMotion, coupled_velocity, step_coupled};
 pub use inertial::{Inertial, OffsetMotion};
 pub use law::{Damping, Law};
 

@@ -11,6 +11,10 @@
 //! The weights are bounded, and the basis is a partition of unity: the profile is within its bounds with no clip at
 //! run time.
 
+mod matrix;
+
+pub use matrix::MatrixGain;
+
 use crate::{ConfigError, Real, error};
 
 /// A stiffness or damping primitive of one axis; `S` holds the weights.

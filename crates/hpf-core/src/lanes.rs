@@ -23,7 +23,8 @@ use crate::Real;
 /// `N` numbers on which every operation acts alike; aligned so that no load straddles two lines of the cache.
 ///
 /// As a [`Real`], it is one value per rollout: [`to_f64`](Real::to_f64) and [`to_index`](Real::to_index) are of the
-/// first lane, [`is_finite`](Real::is_finite) is of all. Logarithm, root and floor are those of `f64`, one by one.
+/// first lane, [`is_finite`](Real::is_finite) is of all. Logarithm, root, floor
+/// and the functions of angles are those of `f64`, one by one.
 ///
 /// ```
 /// use hpf_core::{Lanes, Real, admittance::step_offset};
@@ -117,6 +118,14 @@ impl<const N: usize> Real for Lanes<N> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.map(Real::sqrt)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.map(|angle| Real::sin_cos(angle).0), self.map(|angle| Real::sin_cos(angle).1))
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        self.zip(x, Real::atan2)
     }
     #[inline(always)]
     fn floor(self) -> Self {

@@ -24,6 +24,7 @@
 
 mod certificate;
 mod contact;
+mod matrix;
 mod port;
 mod tank;
 

@@ -46,6 +46,10 @@ pub trait Real:
     fn ln(self) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
+    /// Sine and cosine of an angle in radians, accurate for angles of a few turns.
+    fn sin_cos(self) -> (Self, Self);
+    /// The angle in [-pi, pi] of the point (`x`, self), by both signs; 0 where both are zero.
+    fn atan2(self, x: Self) -> Self;
     /// The largest integer not above.
     fn floor(self) -> Self;
     /// The integer part; zero for a negative number and for NaN.
@@ -79,7 +83,7 @@ pub trait Real:
 }
 
 macro_rules! impl_real {
-    ($float:ident, $exp:path, $exp_m1:path, $ln:ident, $sqrt:ident, $floor:ident) => {
+    ($float:ident, $exp:path, $exp_m1:path, $sin_cos:path, $atan2:path, $ln:ident, $sqrt:ident, $floor:ident) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -107,6 +111,14 @@ macro_rules! impl_real {
             #[inline]
             fn sqrt(self) -> Self {
                 libm::$sqrt(self)
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                $sin_cos(self)
+            }
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                $atan2(self, x)
             }
             #[inline]
             fn floor(self) -> Self {
@@ -145,5 +157,5 @@ macro_rules! impl_real {
     };
 }
 
-impl_real!(f32, single::exp, single::exp_m1, logf, sqrtf, floorf);
-impl_real!(f64, libm::exp, libm::expm1, log, sqrt, floor);
+impl_real!(f32, single::exp, single::exp_m1, single::sin_cos, libm::atan2f, logf, sqrtf, floorf);
+impl_real!(f64, libm::exp, libm::expm1, libm::sincos, libm::atan2, log, sqrt, floor);

@@ -66,6 +66,11 @@ impl<T: Real> EnergyTank<T> {
         self.capacity
     }
 
+    /// The most that switching may put into one axis, or into the axes of one matrix [W].
+    pub fn power(&self) -> T {
+        self.power
+    }
+
     /// What may be spent of `energy` [J].
     #[inline]
     pub fn available(&self, energy: T) -> T {

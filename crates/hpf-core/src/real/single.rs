@@ -1,11 +1,15 @@
-//! Exponentials in single precision, short enough to stand in a loop of a microcontroller.
+//! Exponentials, sine and cosine in single precision, short enough to stand in a loop of a microcontroller.
 //!
 //! `x = n ln 2 + r`, n whole, `|r| <= ln(2)/2`; `e^r - 1 = r + r^2 (1/2 + r/6 + ... + r^5/5040)`, the first term left
 //! out below 2e-8 of the sum; `e^x = 2^n (1 + (e^r - 1))`, `e^x - 1 = 2^n (e^r - 1) + (2^n - 1)`. Within 2 units in the
 //! last place of the exact value, the same bits on every machine. Above 87, near overflow, libm answers; below -87, near
 //! subnormal numbers, `e^x` is zero.
+//!
+//! `x = n pi/2 + r`, n whole, `|r| <= pi/4`; sine and cosine of r are the polynomials of Moshier's Cephes library, within
+//! 2 units in the last place of 1. Where n has too many digits for the parts of pi/2, libm answers: in double precision,
+//! which a single-precision unit computes slowly.
 
-use core::f32::consts::LOG2_E;
+use core::f32::consts::{FRAC_2_PI, LOG2_E};
 
 /// The largest magnitude for which 2^n and the result are normal numbers.
 const LARGEST: f32 = 87.0;
@@ -64,5 +68,40 @@ pub(super) fn exp_m1(x: f32) -> f32 {
         -1.0
     } else {
         libm::expm1f(x)
+    }
+}
+
+/// The largest magnitude of an angle that is reduced in single precision: n has 11 bits, so that its product with the
+/// first two parts of pi/2 is exact.
+const LARGEST_ANGLE: f32 = 3000.0;
+
+/// pi/2 in three parts.
+const HALF_PI: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
+
+/// Coefficients of `(sin r - r)/r^3` and `(cos r - 1 + r^2/2)/r^4` in powers of r^2, highest first.
+const SINE: [f32; 3] = [-1.951_529_6e-4, 8.332_161e-3, -1.666_665_5e-1];
+const COSINE: [f32; 3] = [2.443_315_7e-5, -1.388_731_6e-3, 4.166_664_6e-2];
+
+/// Sine and cosine of `x` [rad].
+#[inline]
+pub(super) fn sin_cos(x: f32) -> (f32, f32) {
+    // A NaN goes to libm too.
+    if x.abs() <= LARGEST_ANGLE {
+        let shifted = x * FRAC_2_PI + ROUND;
+        let n = shifted - ROUND;
+        let [high, middle, low] = HALF_PI;
+        let r = ((x - n * high) - n * middle) - n * low;
+        let r2 = r * r;
+        let ([s0, s1, s2], [c0, c1, c2]) = (SINE, COSINE);
+        let sine = r + r * r2 * ((s0 * r2 + s1) * r2 + s2);
+        let cosine = 1.0 - 0.5 * r2 + r2 * r2 * ((c0 * r2 + c1) * r2 + c2);
+        match shifted.to_bits() & 3 {
+            0 => (sine, cosine),
+            1 => (cosine, -sine),
+            2 => (-sine, -cosine),
+            _ => (-cosine, sine),
+        }
+    } else {
+        libm::sincosf(x)
     }
 }

@@ -112,6 +112,21 @@ impl<const N: usize> Real for Dual<N> {
         let value = Real::sqrt(self.value);
         self.chained(value, 0.5 / value)
     }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = Real::sin_cos(self.value);
+        (self.chained(sine, cosine), self.chained(cosine, -sine))
+    }
+    fn atan2(self, x: Self) -> Self {
+        let angle = Real::atan2(self.value, x.value);
+        let square = self.value * self.value + x.value * x.value;
+        // d atan2(y, x) = (x dy - y dx)/(x^2 + y^2)
+        let (of_y, of_x) = (x.value / square, -self.value / square);
+        let mut out = Self::of(angle);
+        for ((slot, y), x) in out.slopes.iter_mut().zip(self.slopes).zip(x.slopes) {
+            *slot = of_y * y + of_x * x;
+        }
+        out
+    }
     fn floor(self) -> Self {
         Self::of(Real::floor(self.value))
     }
