@@ -23,7 +23,6 @@ use crate::environment::{Actuator, Contact, Disturbance, Recording, Sensor};
 pub(crate) use reading::read;
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
-pub(crate) use keys::nearest;
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset, Safety,
     TemperatureKind,
