@@ -21,6 +21,7 @@ mod options;
 mod plot;
 mod process;
 mod random_tasks;
+mod recordings;
 mod recover;
 mod reproduce;
 mod resume;

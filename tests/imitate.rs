@@ -233,7 +233,7 @@ fn a_run_is_imitated_into_its_task() {
     }
     let summary = json(folder.path().join("again/summary.json"));
     // Its reference leads a force and so ends in motion, which the fading of the forcing term holds back: measured 0.12 mm.
-    assert!(axis(&summary, 0)["rmse_m"].as_f64().unwrap() < 2e-4, "{summary}");
+    assert!(axis(&summary, 0)["aligned_rmse_m"].as_f64().unwrap() < 2e-4, "{summary}");
     assert_eq!(json(folder.path().join("again/policy.json"))["axes"][0]["goal"], 0.3, "the task's own");
     let (_, stderr) = expect(2, folder.path(), &["imitate", "runs/reach", "--task", &reach, "--basis", "5"]);
     assert!(stderr.contains("--basis") && stderr.contains("--task"), "{stderr}");

@@ -46,11 +46,14 @@ pub fn of_mistakes(py: Python<'_>, class: &str, file: Option<&str>, mistakes: &M
 }
 
 /// The mistakes of a recording.
-pub fn of_recording(py: Python<'_>, file: Option<&str>, mistakes: &[hpf_sim::demonstration::Mistake]) -> PyErr {
-    let lines: Vec<String> = mistakes.iter().map(|mistake| format!("line {mistake}")).collect();
+pub fn of_recording(py: Python<'_>, file: Option<&str>, mistakes: &[hpf::recordings::Mistake]) -> PyErr {
+    let lines: Vec<String> = mistakes
+        .iter()
+        .map(|mistake| if mistake.line == 0 { mistake.message.clone() } else { format!("line {mistake}") })
+        .collect();
     let place = file.map_or_else(String::new, |file| format!("{file}: "));
     let message = lines.iter().map(|line| format!("{place}{line}")).collect::<Vec<_>>().join("\n");
-    let places = mistakes.iter().map(|mistake| (file, Some(mistake.line as usize), None, mistake.message.as_str(), ""));
+    let places = mistakes.iter().map(|mistake| (file, (mistake.line > 0).then_some(mistake.line as usize), None, mistake.message.as_str(), ""));
     raise(py, "DemonstrationError", &message, places.collect())
 }
 

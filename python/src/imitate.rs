@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use hpf::failure::in_text;
 use hpf::results::{LearningRow, Run};
+use hpf::recordings::{self, Mapping};
 use hpf::{Failure, Prepared, Trial, files, overrides, trial};
 use hpf_sim::demonstration::{
     DampingFrom, DurationFrom, Fit, Follow, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom,
 };
-use hpf_sim::{Demonstration, Metric, Task};
+use hpf_sim::{Metric, Task};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -113,17 +114,19 @@ pub fn _imitate(
     options: &Bound<'_, PyAny>,
 ) -> PyResult<PyRun> {
     let options: Options = options.extract()?;
-    let mut demonstrations = Vec::new();
+    let (mut demonstrations, mut notes) = (Vec::new(), Vec::new());
     for (name, text, movement) in &sources {
-        let read = Demonstration::parse(text);
-        let mut demonstration = read.map_err(|mistakes| errors::of_recording(py, Some(name), &mistakes))?;
+        let read = recordings::read(text.as_bytes(), &Mapping::default());
+        let read = read.map_err(|refusal| errors::of_recording(py, Some(name), &refusal.mistakes))?;
+        let mut demonstration = read.recording;
+        notes.extend(read.notes.into_iter().map(|note| format!("{name}: {note}")));
         if let Some(duration) = movement {
             demonstration.cut(*duration);
         }
         demonstrations.push(demonstration);
     }
+    notes.extend(recordings::align_turns(&mut demonstrations));
     let refuse = |text: String| errors::plain(py, "DemonstrationError", &text);
-    let mut notes = Vec::new();
     let prepared = match task {
         Some(task) => task.get().prepared.clone(),
         None => {

@@ -4,24 +4,26 @@ use core::f64::consts::PI;
 use core::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use hpf_sim::demonstration::{Fit, Outline};
+use hpf_sim::demonstration::{Fit, Outline, RecordedAxis};
+use hpf_sim::task::Unit;
 use hpf_sim::{Demonstration, Imitation, Task};
 
 fn benches(criterion: &mut Criterion) {
-    let rows: String = (0..500)
-        .map(|i| {
-            let t = f64::from(i) / 499.0;
-            let s = t * t * t * (10.0 - t * (15.0 - 6.0 * t));
-            format!(
-                "{},{},{}\n",
-                5.0 * t,
-                0.1 + s + 0.25 * (PI * s).sin().powi(2),
-                -0.5 * s + 0.4 * (2.0 * PI * s).sin()
-            )
-        })
-        .collect();
-    let text = format!("time_s,x_m,y_m\n{rows}");
-    let demonstrations = [Demonstration::parse(&text).expect("the table is right")];
+    let share = |i: i32| f64::from(i) / 499.0;
+    let smooth = |t: f64| t * t * t * (10.0 - t * (15.0 - 6.0 * t));
+    let axis = |name: &str, path: &dyn Fn(f64) -> f64| RecordedAxis {
+        name: name.into(),
+        unit: Unit::M,
+        position: (0..500).map(|i| path(smooth(share(i)))).collect(),
+        reference: None,
+        stiffness: None,
+        damping: None,
+        force: None,
+        emg: None,
+    };
+    let x = axis("x", &|s| 0.1 + s + 0.25 * (PI * s).sin().powi(2));
+    let y = axis("y", &|s| -0.5 * s + 0.4 * (2.0 * PI * s).sin());
+    let demonstrations = [Demonstration { time: (0..500).map(|i| 5.0 * share(i)).collect(), axes: vec![x, y] }];
     let outline = Outline { via_points: 0, ..Outline::default() };
     let task = Task::parse(&outline.write(&demonstrations)).expect("the task is right");
     let mut group = criterion.benchmark_group("500 samples, 2 axes, 20 functions");
@@ -31,9 +33,6 @@ fn benches(criterion: &mut Criterion) {
             bencher.iter(|| imitation.of(black_box(&demonstrations), &task).expect("the demonstration is right"));
         });
     }
-    group.bench_function("reading the table", |bencher| {
-        bencher.iter(|| Demonstration::parse(black_box(&text)).expect("the table is right"));
-    });
     group.finish();
 }
 

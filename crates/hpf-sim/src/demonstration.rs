@@ -1,6 +1,6 @@
 //! Demonstrations: recorded motions, and the policies that imitate them.
 //!
-//! [`Demonstration::parse`] reads one recording; [`Outline`] writes the task that a policy of some belongs to;
+//! A [`Demonstration`] is one recording, which the crate `hpf-recordings` reads; [`Outline`] writes the task that a policy of some belongs to;
 //! [`Imitation::of`] fits the policy. The path is fitted by its forcing term
 //! `f_t = tau^2 x'' - alpha (beta (g - x) - tau x')`, each recording in its own start, goal and scale, all in one
 //! regression over normalised time; gains are fitted as profiles over the phase ([`hpf_learn::fit`]).
@@ -19,6 +19,7 @@
 //! spread of demonstrations).
 
 mod error;
+mod force;
 mod gains;
 mod imitation;
 mod outline;
@@ -26,7 +27,6 @@ mod path;
 mod profile;
 mod signal;
 mod sources;
-mod table;
 
 use crate::task::Unit;
 
@@ -35,7 +35,6 @@ pub use gains::{DampingFrom, StiffnessFrom};
 pub use imitation::{Fit, Imitated, Imitation};
 pub use outline::{DurationFrom, Outline, ScaleBy};
 pub use signal::Smoothing;
-pub use table::{MAX_MISTAKES, MIN_SAMPLES, Mistake};
 
 /// Which recorded path a policy follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -24,7 +24,7 @@ use crate::environment::{Actuator, Contact, Disturbance, Recording, Sensor};
 pub(crate) use reading::read;
 
 pub use basis::{BasisFamily, BasisFunctions, BasisTable};
-pub(crate) use keys::{nearest, plain};
+pub(crate) use keys::plain;
 pub use learning::{
     AnnealKind, CovarianceKind, CreditKind, ExplorationKind, InitialPath, Learning, Method, Noise, Preset, Safety,
     TemperatureKind,

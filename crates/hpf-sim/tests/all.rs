@@ -17,7 +17,6 @@ mod optimum;
 mod policy;
 mod process;
 mod random_tasks;
-mod recording;
 mod rest;
 mod robot;
 mod signals;

@@ -48,7 +48,7 @@ fn imitate(imitation: &Imitation, outline: &Outline, demonstrations: &[Demonstra
 /// Root mean square of the distance of the policy's reference from the demonstrations, by axis.
 fn errors(task: &Task, imitated: &Imitated) -> Vec<f64> {
     let simulation = Simulation::new(task, &imitated.policy).unwrap();
-    imitated.errors(&simulation.rollout(&imitated.policy.weights()))
+    imitated.aligned_errors(&simulation.rollout(&imitated.policy.weights()))
 }
 
 fn unsmoothed() -> Imitation {
@@ -119,8 +119,12 @@ fn the_path_of_an_imitation_converges_with_the_square_of_the_step() {
 fn the_reference_demonstration_is_met_better_than_by_the_exact_solution_of_the_stored_weights() {
     // hpf-learn/tests/data/README.md: dt = 2^-8 s. That implementation's weights, its equation solved exactly, come to
     // within 7.7e-5 (RMS); its own integrators to 7.3e-3 and 1.0e-2. Measured here: 3.4e-5.
-    let text = include_str!("../../hpf-learn/tests/data/demo_2d.csv").replacen("t,y0,y1", "time_s,y0_m,y1_m", 1);
-    let demonstration = Demonstration::parse(&text).unwrap();
+    let text = include_str!("../../hpf-learn/tests/data/demo_2d.csv");
+    let rows: Vec<Vec<f64>> =
+        text.lines().skip(1).map(|row| row.split(',').map(|number| number.parse().unwrap()).collect()).collect();
+    let column = |i: usize| rows.iter().map(|row| row[i]).collect::<Vec<_>>();
+    let axes = ["y0", "y1"].into_iter().enumerate().map(|(i, name)| axis(name, column(i + 1)));
+    let demonstration = Demonstration { time: column(0), axes: axes.collect() };
     let (task, imitated) = imitate(&unsmoothed(), &Outline::default(), &[demonstration]);
     let errors = errors(&task, &imitated);
     let whole = (errors.iter().map(|error| error * error).sum::<f64>() / 2.0).sqrt();
@@ -132,13 +136,9 @@ fn the_reference_demonstration_is_met_better_than_by_the_exact_solution_of_the_s
 fn uneven_samples_that_start_anywhere_give_the_same_path() {
     let even = demonstration(200, 2.0, |t| 0.3 * minimum_jerk(t));
     let jitter = |i: usize| if i == 0 || i == 200 { 0.0 } else { 0.003 * (1.7 * i as f64).sin() };
-    let text: String = (0..=200)
-        .map(|i| {
-            let t = 0.01 * i as f64 + jitter(i);
-            format!("{},{}\n", 71.5 + t, 0.3 * minimum_jerk(t / 2.0))
-        })
-        .collect();
-    let uneven = Demonstration::parse(&format!("time_s,x_m\n{text}")).unwrap();
+    let time: Vec<f64> = (0..=200).map(|i| 71.5 + 0.01 * i as f64 + jitter(i) - 71.5).collect();
+    let positions = time.iter().map(|t| 0.3 * minimum_jerk(t / 2.0)).collect();
+    let uneven = Demonstration { time, axes: vec![axis("x", positions)] };
     let (even_task, even) = imitate(&Imitation::default(), &Outline::default(), &[even]);
     let (task, uneven) = imitate(&Imitation::default(), &Outline::default(), &[uneven]);
     assert_eq!((task.duration, task.rate), (even_task.duration, even_task.rate));
@@ -208,7 +208,8 @@ fn a_demonstration_is_carried_to_another_goal_as_its_policy_is() {
     let task = Task::parse(&text).unwrap();
     assert_eq!((task.axis[0].start, task.axis[0].goal), (0.2, -0.6));
     let imitated = unsmoothed().of(&demonstrations, &task).unwrap();
-    let carried = &imitated.demonstrations[0][0];
+    let carried = &imitated.aligned[0][0];
+    assert!((imitated.demonstrations[0][0][1000] - 0.3).abs() < 1e-12, "as it was recorded");
     for (i, carried) in carried.iter().enumerate() {
         // Under goal scaling everything is proportional to the way to the goal.
         let expected = 0.2 - 0.8 * shape(i as f64 / 1000.0) / 0.3;

@@ -22,6 +22,7 @@ pub mod packed;
 pub mod paper;
 pub mod process;
 pub mod readers;
+pub mod recordings;
 pub mod report;
 pub mod results;
 pub mod save;

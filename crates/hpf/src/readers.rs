@@ -6,8 +6,9 @@
 use std::sync::LazyLock;
 
 use hpf_core::packed::{Packed, crc32};
+use hpf_recordings::Mapping;
 use hpf_sim::task::Task;
-use hpf_sim::{Conditions, Demonstration, Policy, Simulation};
+use hpf_sim::{Conditions, Policy, Simulation};
 
 use crate::export::{Format, Precision, export};
 use crate::failure::in_text;
@@ -132,21 +133,34 @@ fn unpack(bytes: &[u8]) -> bool {
     true
 }
 
-/// A demonstration, whose signals are finite and as long as its time.
+/// A recording of any format, by the names of its columns and by other options: its signals are finite and as long as its
+/// time, which rises.
 pub fn demonstrations(bytes: &[u8]) -> bool {
-    let Some(text) = text(bytes) else { return false };
-    match Demonstration::parse(text) {
-        Ok(demonstration) => {
-            let time = &demonstration.time;
-            assert!(demonstration.duration() > 0.0 && time.windows(2).all(|pair| pair[0] < pair[1]));
-            for axis in &demonstration.axes {
+    let time = "#1".parse().expect("this is a column");
+    let axes = vec!["x=#2:mm".parse().expect("this is an axis")];
+    let numbered = Mapping { time: Some(time), axes, bridge: true, trim: true, ..Mapping::default() };
+    let even = Mapping { sample_rate: Some(100.0), ignore_rest: true, ..Mapping::default() };
+    let preset = Mapping { preset: Some(hpf_recordings::Preset::Optitrack), ..Mapping::default() };
+    let read = [Mapping::default(), numbered, even, preset].map(|mapping| recording(bytes, &mapping));
+    if let Ok(saw) = hpf_recordings::inspect(bytes, &Mapping::default()) {
+        assert!(!saw.to_string().is_empty());
+    }
+    read[0]
+}
+
+fn recording(bytes: &[u8], mapping: &Mapping) -> bool {
+    match hpf_recordings::read(bytes, mapping) {
+        Ok(read) => {
+            let time = &read.recording.time;
+            assert!(read.recording.duration() > 0.0 && time.windows(2).all(|pair| pair[0] < pair[1]));
+            for axis in &read.recording.axes {
                 assert!(axis.position.len() == time.len() && axis.position.iter().all(|position| position.is_finite()));
             }
             true
         }
-        Err(mistakes) => {
-            assert!(mistakes.iter().all(|mistake| mistake.line >= 1 && !mistake.message.is_empty()));
-            assert!(!mistakes.is_empty());
+        Err(refusal) => {
+            assert!(refusal.mistakes.iter().all(|mistake| !mistake.message.is_empty()));
+            assert!(!refusal.mistakes.is_empty());
             false
         }
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::numbers::{not_negative, number, positive, whole};
 use clap::{Args, ValueEnum};
+use hpf::recordings::{AxisSource, Mapping, Preset, Source, units_of};
 use hpf_sim::demonstration::{
     DampingFrom, DurationFrom, Fit, Follow, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom,
 };
@@ -14,21 +15,54 @@ pub const HELP: &str = "\
 Examples:
   hpf imitate tasks/demonstrations/wipe.csv
   hpf imitate tasks/demonstrations/reach_*.csv --name reach_softly
+  hpf imitate tasks/demonstrations/wipe.csv --time time_s:s --axis across=x_m:m --ignore-rest --name across
   hpf imitate tasks/demonstrations/insert_emg.csv --stiffness-max 600 --damping-from ratio --mass 2
   hpf imitate tasks/demonstrations/push.csv --stiffness-from force --path reference
   hpf imitate tasks/demonstrations/reach_1.csv --task tasks/reach.toml  # exit code 3: target missed
   hpf learn runs/wipe/task.toml --from runs/wipe --out runs/wipe_learned --quiet
 
-Columns: time_s; for each axis NAME_m (or NAME_position_m), and if recorded NAME_reference_m, NAME_stiffness_n_m,
+Without options columns are read by their names; a file with others is refused with what is in it and the command that
+may read it. Columns: time_s; for each axis NAME_m (or NAME_position_m), and if recorded NAME_reference_m, NAME_stiffness_n_m,
 NAME_damping_n_s_m, NAME_force_n (of the environment on the tool), NAME_emg. For an axis in rad: NAME_rad,
 NAME_stiffness_nm_rad, NAME_damping_nm_s_rad, NAME_torque_nm. Gains of such an axis are in N m/rad and N m s/rad.";
 
 /// `hpf imitate`
 #[derive(Args, Debug)]
 pub struct Options {
-    /// Demonstrations: CSV files, or run directories for their trajectories
+    /// Demonstrations: text tables, MCAP bags of ROS 2, NumPy arrays, or run directories for their trajectories
     #[arg(value_name = "DEMO", required = true)]
     pub demonstrations: Vec<PathBuf>,
+    /// Column of time and its unit, of s, ms, us, ns [default: by its name]
+    #[arg(long, value_name = "COLUMN[:UNIT]")]
+    time: Option<Source>,
+    /// An axis, the column of its position and its unit, of m, mm, cm, deg, rad, ...; a column by its name, or #3 for the
+    /// third [default: by their names]
+    #[arg(long, value_name = "AXIS=COLUMN[:UNIT]")]
+    axis: Vec<AxisSource>,
+    /// The column of the force of the environment on the tool along an axis (torque about it), of N, kN, Nm
+    #[arg(long, value_name = "AXIS=COLUMN[:UNIT]")]
+    force_column: Vec<AxisSource>,
+    /// Leave out columns that nobody knows
+    #[arg(long)]
+    ignore_rest: bool,
+    /// Topic of a bag, or arrays of an archive; topics behind commas are brought to the times of the first
+    #[arg(long, value_name = "TOPIC[,TOPIC]")]
+    topic: Option<String>,
+    /// Samples per second of recordings without time; a column of time is then not read [Hz]
+    #[arg(long, value_name = "HZ", value_parser = positive, conflicts_with = "time")]
+    sample_rate: Option<f64>,
+    /// Units of columns that state none, such as mm,deg,ms
+    #[arg(long, value_name = "UNITS", value_parser = units_of)]
+    units: Option<Units>,
+    /// Columns as a program writes them: ur, ur-joints, franka, franka-joints, tum, euroc, optitrack, lasa
+    #[arg(long, value_name = "NAME")]
+    preset: Option<Preset>,
+    /// Leave out rows without numbers and fill gaps in by cubics, which is a guess
+    #[arg(long)]
+    bridge: bool,
+    /// Cut off rest before and after the motion
+    #[arg(long)]
+    trim: bool,
     /// Task to imitate into: its axes, bases, bounds, duration, start and goal [default: one made for the demonstrations]
     #[arg(long, value_name = "TASK", conflicts_with_all = OF_THE_TASK)]
     pub task: Option<PathBuf>,
@@ -108,6 +142,9 @@ pub struct Options {
     #[arg(long, value_name = "S", value_parser = positive)]
     window: Option<f64>,
 }
+
+/// One value of the argument, not a list of them.
+type Units = Vec<hpf::recordings::UnitWord>;
 
 /// What a task named with `--task` decides.
 const OF_THE_TASK: [&str; 13] = [
@@ -191,6 +228,22 @@ fn duration(text: &str) -> Result<DurationFrom, String> {
 }
 
 impl Options {
+    /// What is read of a recording as what.
+    pub fn mapping(&self) -> Mapping {
+        Mapping {
+            time: self.time.clone(),
+            axes: self.axis.clone(),
+            forces: self.force_column.clone(),
+            ignore_rest: self.ignore_rest,
+            topic: self.topic.clone(),
+            sample_rate: self.sample_rate,
+            units: self.units.clone().unwrap_or_default(),
+            preset: self.preset,
+            bridge: self.bridge,
+            trim: self.trim,
+        }
+    }
+
     fn follow(&self) -> Follow {
         match self.path {
             PathKind::Position => Follow::Position,

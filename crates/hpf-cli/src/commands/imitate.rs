@@ -15,12 +15,12 @@ use crate::deliver::read_task;
 use crate::outcome::Outcome;
 use crate::terminal::say;
 use hpf::failure::{Failure, in_text};
-use hpf::files::{LoadedTask, in_file, open_end, read_text, sha256, verify_run};
+use hpf::files::{LoadedTask, in_file, sha256};
 use hpf::results::{LearningRow, Run};
 use hpf::save::Whole;
 use hpf::sinks::combined;
 use hpf::summary::Summary;
-use hpf::{Nobody, log, overrides, results};
+use hpf::{Nobody, log, overrides, recordings, results};
 
 /// A demonstration and the file it was read from.
 struct Source {
@@ -31,7 +31,7 @@ struct Source {
 /// Runs `hpf imitate`.
 pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
     let started = Instant::now();
-    let (sources, demonstrations, mut notes) = read(&options.demonstrations)?;
+    let (sources, demonstrations, mut notes) = read(options)?;
     let mut loaded = task(options, common, &sources, &demonstrations)?;
     if options.task.is_none() {
         notes.extend(options.outline(String::new()).note(&demonstrations));
@@ -80,31 +80,17 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
 type Recordings = (Vec<Source>, Vec<Demonstration>, Vec<String>);
 
 /// Reads the demonstrations, and says of which file a mistake is.
-fn read(paths: &[PathBuf]) -> Result<Recordings, Failure> {
+fn read(options: &Options) -> Result<Recordings, Failure> {
+    let mapping = options.mapping();
     let (mut sources, mut notes) = (Vec::new(), Vec::new());
     let mut demonstrations: Vec<Demonstration> = Vec::new();
-    for path in paths {
-        // A run is a demonstration: its trajectory, without the rest time after the movement.
-        let path = if path.is_dir() { path.join("trajectory.csv") } else { path.clone() };
-        let task = path.with_file_name("task.toml");
-        let is_of_run = path.ends_with("trajectory.csv") && task.is_file();
-        let movement = if is_of_run { Some(read_task(&task, &[])?.task.duration) } else { None };
-        let summary = path.with_file_name("summary.json");
-        if is_of_run && summary.is_file() {
-            verify_run(&summary)?;
-        }
-        let text = read_text(&path)?;
-        let mut demonstration = Demonstration::parse(&text).map_err(|mistakes| {
-            let lines = mistakes.iter().map(|mistake| format!("{}:{mistake}", path.display()));
-            Failure::Input(lines.collect::<Vec<_>>().join("\nerror: "))
-        })?;
-        if let Some(duration) = movement {
-            demonstration.cut(duration);
-        }
-        notes.extend(open_end(&path, &text));
-        sources.push(Source { sha256: sha256(&text), path });
-        demonstrations.push(demonstration);
+    for path in &options.demonstrations {
+        let loaded = recordings::load(path, &mapping)?;
+        notes.extend(loaded.notes);
+        sources.push(Source { sha256: loaded.sha256, path: loaded.path });
+        demonstrations.push(loaded.recording);
     }
+    notes.extend(recordings::align_turns(&mut demonstrations));
     let axes = |one: &Demonstration| {
         let mut names: Vec<_> = one.axes.iter().map(|axis| format!("{} [{:?}]", axis.name, axis.unit)).collect();
         names.sort();
@@ -148,8 +134,9 @@ fn name_of(path: &Path) -> String {
     if name.is_empty() { "demonstration".into() } else { name }
 }
 
-/// The motion of the imitated policy in its task, its cost, and how far it is from the demonstrations by axis.
-fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, Vec<f64>), Failure> {
+/// The motion of the imitated policy in its task, its cost, and how far it is from the demonstrations by axis: as they were
+/// recorded, and as they are aligned.
+fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, [Vec<f64>; 2]), Failure> {
     let task = &loaded.task;
     let mut policy = imitated.policy.clone();
     let bad_task = |error: &dyn core::fmt::Display| Failure::Input(format!("{}: {error}", task.name));
@@ -164,10 +151,10 @@ fn simulate(loaded: &LoadedTask, imitated: &Imitated) -> Result<(Run, Summary, V
     policy.provenance.task_sha256 = sha256(&loaded.text);
     policy.provenance.cost = price.0;
 
-    let errors = imitated.errors(&trajectory);
+    let errors = [imitated.errors(&trajectory), imitated.aligned_errors(&trajectory)];
     let units: Vec<&str> = task.axis.iter().map(|axis| axis.unit.symbol()).collect();
     let unit = if units.iter().all(|unit| *unit == units[0]) { units[0] } else { "" };
-    let whole = errors.iter().map(|error| error * error).sum::<f64>().sqrt();
+    let whole = errors[0].iter().map(|error| error * error).sum::<f64>().sqrt();
     metrics.push(Metric { name: "demonstration_rmse", unit, value: whole, target: None });
     let row = LearningRow { update: 0, rollouts: 1, total: price.0, terms: cost.terms, exploration: 0.0 };
     let summary = Summary {

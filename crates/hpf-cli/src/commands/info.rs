@@ -15,8 +15,9 @@ use crate::terminal::say;
 use hpf::failure::Failure;
 use hpf::files::{in_file, read_bytes, read_text, verify_run};
 use hpf::log::{self, Ending};
+use hpf::recordings::{Mapping, Saw};
 use hpf::words::typed;
-use hpf::{nodes, packed};
+use hpf::{nodes, packed, recordings};
 
 /// Runs `hpf info`.
 pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
@@ -27,6 +28,12 @@ pub fn info(options: &Info, common: &Common) -> Result<Outcome, Failure> {
 }
 
 fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
+    // The folder of a bag is no run.
+    let is_bag = path.join("metadata.yaml").is_file() && !path.join("summary.json").is_file();
+    if is_bag {
+        let (file, _) = recordings::bytes_of(path)?;
+        return one(&file, common);
+    }
     if let Some(file) = summary_of(path) {
         let summary = read_summary(&file)?;
         return answer(common, &summary, || render::summary(&summary));
@@ -44,7 +51,46 @@ fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
         };
         return answer(common, &contents.to_json(), || format!("{contents}{hint}"));
     }
+    if is_recording(path) {
+        let (file, bytes) = recordings::bytes_of(path)?;
+        let saw =
+            recordings::inspect(&bytes, &Mapping::default()).map_err(|refusal| recordings::refused(&file, &refusal))?;
+        return answer(common, &saw_in_json(&saw, path), || {
+            let next = saw
+                .command(&path.display().to_string())
+                .map_or(String::new(), |command| format!("\nnext: {command}\n"));
+            format!("{saw}{next}")
+        });
+    }
     super::check::check(&Check { file: path.to_owned(), ..Check::default() }, common)
+}
+
+/// Whether the file is a recording: by its first bytes, or by an ending that tables have.
+fn is_recording(path: &Path) -> bool {
+    const TABLES: [&str; 6] = ["csv", "tsv", "txt", "dat", "asc", "bag"];
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let magics: [&[u8]; 5] = [b"\x93NUMPY", b"PK\x03\x04", b"SQLite format 3", b"\x89HDF", b"PAR1"];
+    ending.is_some_and(|ending| TABLES.contains(&ending.as_str()))
+        || magics.iter().any(|magic| begins_with(path, magic))
+}
+
+fn saw_in_json(saw: &Saw, path: &Path) -> Value {
+    let number = |range: Option<(f64, f64)>| range.map_or(Value::Null, |(low, high)| json!([low, high]));
+    let columns = saw
+        .columns
+        .iter()
+        .map(|column| json!({ "name": column.name, "range": number(column.range), "role": column.role }));
+    let topics = saw
+        .topics
+        .iter()
+        .map(|topic| json!({ "name": topic.name, "type": topic.kind, "count": topic.count, "is_read": topic.is_read }));
+    json!({
+        "kind": saw.kind,
+        "rows": saw.rows,
+        "columns": columns.collect::<Vec<_>>(),
+        "topics": topics.collect::<Vec<_>>(),
+        "command": saw.command(&path.display().to_string()),
+    })
 }
 
 fn answer(common: &Common, object: &Value, text: impl FnOnce() -> String) -> Result<Outcome, Failure> {

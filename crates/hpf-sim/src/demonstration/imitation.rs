@@ -75,9 +75,10 @@ const REST_SPEED: f64 = 0.05;
 pub struct Imitated {
     /// The policy.
     pub policy: Policy,
-    /// Each demonstration as it was recorded, by axis at each sample of the policy, carried to the task's start and
-    /// goal where they are others [m].
+    /// Each demonstration as it was recorded, by axis at each sample of the policy [m].
     pub demonstrations: Vec<Vec<Vec<f64>>>,
+    /// The same carried to the task's start and goal, as a movement primitive carries it [m].
+    pub aligned: Vec<Vec<Vec<f64>>>,
     /// Where the stiffness of each axis comes from.
     pub stiffness: Vec<StiffnessFrom>,
     /// Where the damping of each axis comes from.
@@ -89,25 +90,45 @@ pub struct Imitated {
 impl Imitated {
     /// The mean demonstration of `axis` [m].
     pub fn mean(&self, axis: usize) -> Vec<f64> {
-        mean(self.demonstrations.iter().map(|demonstration| demonstration[axis].as_slice()))
+        mean_of(&self.demonstrations, axis)
     }
 
     /// Root mean square of the distance between the reference of `trace` and the mean demonstration, by axis [m].
     pub fn errors(&self, trace: &Trace) -> Vec<f64> {
-        let movement = trace.steps();
-        let error = |(a, axis): (usize, &AxisTrace)| distance(&axis.reference_position[..=movement], &self.mean(a));
-        trace.axes.iter().enumerate().map(error).collect()
+        errors(&self.demonstrations, trace)
+    }
+
+    /// The same against the demonstrations carried to the task's start and goal [m].
+    pub fn aligned_errors(&self, trace: &Trace) -> Vec<f64> {
+        errors(&self.aligned, trace)
     }
 
     /// Root mean square of the distance between the demonstrations and their mean, by axis [m].
     pub fn spread(&self) -> Vec<f64> {
-        let spread = |a: usize| {
-            let middle = self.mean(a);
-            let squares = self.demonstrations.iter().map(|one| distance(&one[a], &middle).powi(2));
-            (squares.sum::<f64>() / self.demonstrations.len() as f64).sqrt()
-        };
-        (0..self.policy.axes.len()).map(spread).collect()
+        (0..self.policy.axes.len()).map(|axis| spread(&self.demonstrations, axis)).collect()
     }
+
+    /// The same of the demonstrations carried to the task's start and goal [m].
+    pub fn aligned_spread(&self) -> Vec<f64> {
+        (0..self.policy.axes.len()).map(|axis| spread(&self.aligned, axis)).collect()
+    }
+}
+
+fn mean_of(demonstrations: &[Vec<Vec<f64>>], axis: usize) -> Vec<f64> {
+    mean(demonstrations.iter().map(|demonstration| demonstration[axis].as_slice()))
+}
+
+fn errors(demonstrations: &[Vec<Vec<f64>>], trace: &Trace) -> Vec<f64> {
+    let movement = trace.steps();
+    let error =
+        |(a, axis): (usize, &AxisTrace)| distance(&axis.reference_position[..=movement], &mean_of(demonstrations, a));
+    trace.axes.iter().enumerate().map(error).collect()
+}
+
+fn spread(demonstrations: &[Vec<Vec<f64>>], axis: usize) -> f64 {
+    let middle = mean_of(demonstrations, axis);
+    let squares = demonstrations.iter().map(|one| distance(&one[axis], &middle).powi(2));
+    (squares.sum::<f64>() / demonstrations.len() as f64).sqrt()
 }
 
 /// Root mean square of the difference.
@@ -167,6 +188,7 @@ impl Imitation {
             notes: Vec::new(),
         };
         let mut carried = vec![Vec::new(); demonstrations.len()];
+        let mut recorded = carried.clone();
         let (mut stiffness_from, mut damping_from) = (Vec::new(), Vec::new());
         for (a, axis) in policy.axes.iter_mut().enumerate() {
             let (alpha, scale) = (axis.movement.alpha, axis.movement.forcing_scale);
@@ -180,6 +202,9 @@ impl Imitation {
             let mut forcing = work.forcing(a, &frames, alpha);
             forcing.resize(gate.len(), 0.0);
             axis.movement.weights = movement.movement(&gate, &forcing, self.penalty).map_err(refused)?;
+            for (recorded, recording) in recorded.iter_mut().zip(&work.recordings) {
+                recorded.push(recording.axes[a].recorded.clone());
+            }
             for ((carried, recording), frame) in carried.iter_mut().zip(&work.recordings).zip(&frames) {
                 carried.push(frame.carry_to(&target, alpha, &recording.axes[a].recorded));
             }
@@ -190,7 +215,8 @@ impl Imitation {
         }
         Ok(Imitated {
             policy,
-            demonstrations: carried,
+            demonstrations: recorded,
+            aligned: carried,
             stiffness: stiffness_from,
             damping: damping_from,
             notes: work.notes,

@@ -75,8 +75,10 @@ impl Default for Outline {
     }
 }
 
-/// Goal scaling carries where every axis ends at least this share of its range away from its start.
+/// Goal scaling carries where every axis ends at least this share of its range away from its start, in each recording.
 const LEAST_TRAVEL: f64 = 0.1;
+/// It scales the recordings of one motion alike only where none travels so many times as far as another, the same way.
+const MOST_TRAVEL: f64 = 3.0;
 
 impl Outline {
     /// Duration [s] as asked for, before it is fitted to a rate.
@@ -138,8 +140,12 @@ impl Outline {
                 axis.name
             );
         }
-        let carries =
-            |path: &Path| (path.ends[1] - path.ends[0]).abs() >= (LEAST_TRAVEL * path.range).max(MIN_GOAL_DISTANCE);
+        let carries = |path: &Path| {
+            let far = |travel: f64| travel.abs() >= (LEAST_TRAVEL * path.range).max(MIN_GOAL_DISTANCE);
+            let [least, most] = path.travel;
+            let alike = least * most > 0.0 && least.abs().max(most.abs()) <= MOST_TRAVEL * least.abs().min(most.abs());
+            far(path.ends[1] - path.ends[0]) && far(least) && far(most) && alike
+        };
         let scaling = self.scaling.unwrap_or(if paths.iter().all(carries) { ScaleBy::Goal } else { ScaleBy::Range });
         let scaling = match scaling {
             ScaleBy::Goal => "\"goal\"".into(),
@@ -184,6 +190,8 @@ impl Outline {
 struct Path {
     /// Mean start and mean end.
     ends: [f64; 2],
+    /// Least and largest way from start to end of a recording.
+    travel: [f64; 2],
     /// Largest range of a recording.
     range: f64,
     mean: Vec<f64>,
@@ -195,17 +203,20 @@ const STEPS: usize = 1000;
 impl Path {
     fn of(demonstrations: &[Demonstration], name: &str, follow: Follow) -> Self {
         let (mut range, mut ends, mut paths) = (0.0_f64, [0.0; 2], Vec::new());
+        let mut travel = [f64::INFINITY, f64::NEG_INFINITY];
         for demonstration in demonstrations {
             let Some(axis) = demonstration.axes.iter().find(|axis| axis.name == name) else { continue };
             let path = axis.path(follow);
             let (low, high) = path.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (x.min(a), x.max(b)));
             range = range.max(high - low);
+            let way = path[path.len() - 1] - path[0];
+            travel = [way.min(travel[0]), way.max(travel[1])];
             ends[0] += path[0];
             ends[1] += path[path.len() - 1];
             paths.push(resample(&demonstration.time, path, grid(STEPS, demonstration.duration())));
         }
         let ends = ends.map(|sum| sum / paths.len() as f64);
-        Self { ends, range, mean: mean(paths.iter().map(Vec::as_slice)) }
+        Self { ends, travel, range, mean: mean(paths.iter().map(Vec::as_slice)) }
     }
 
     fn at(&self, share: f64) -> f64 {

@@ -1,6 +1,7 @@
 //! Where the stiffness and damping of each axis come from, and their fits.
 
 use super::error::ImitationError;
+use super::force;
 use super::gains::{self, Bounds, DampingFrom, Identified, StiffnessFrom};
 use super::imitation::Work;
 use super::path::{AlignedAxis, mean};
@@ -71,6 +72,10 @@ impl Work<'_> {
         let window = self.options.window.map_or(0.1, |window| window / self.task.duration);
         let half = ((0.5 * window * steps as f64).round() as usize).max(1);
         let [stiffness, damping] = self.bounds(a);
+        let has_reference = self.axes(a).all(|axis| axis.reference.is_some());
+        if has_reference && let Some(read) = force::look(&self.recordings, a, half) {
+            self.correct(a, &read, [stiffness, damping]);
+        }
         let found = gains::from_force(&self.recordings, a, half, stiffness, damping);
         let says = found.iter().flatten().count();
         if says == 0 {
@@ -86,6 +91,37 @@ impl Work<'_> {
             ));
         }
         Ok(Some(found))
+    }
+
+    /// Takes rest level and sign of the force of axis `a` out, and notes gains beyond their bounds.
+    fn correct(&mut self, a: usize, read: &force::Read, bounds: [Bounds; 2]) {
+        let (name, rest, sign) = (self.name(a), read.rest, if read.is_turned { -1.0 } else { 1.0 });
+        let unit = if self.task.axis[a].unit == Unit::M { "N" } else { "N m" };
+        if rest != 0.0 {
+            self.notes.push(format!(
+                "axis `{name}`: the recorded force has a rest level of {rest:.3} {unit}, which is taken out of it"
+            ));
+        }
+        if read.is_turned {
+            self.notes.push(format!(
+                "axis `{name}`: the recorded force points the other way, that of the tool on the environment: its sign is \
+                 turned"
+            ));
+        }
+        for axis in self.recordings.iter_mut().map(|recording| &mut recording.axes[a]) {
+            if let Some(force) = &mut axis.force {
+                force.iter_mut().for_each(|f| *f = sign * (*f - rest));
+            }
+        }
+        for ((what, values), Bounds { min, max }) in ["stiffness", "damping"].into_iter().zip(read.gains).zip(bounds) {
+            let [low, high] = values;
+            if high > 1.02 * max || low < 0.98 * min {
+                self.notes.push(format!(
+                    "axis `{name}`: the force says {what} from {low:.4} to {high:.4}, which is held within its bounds, {min} \
+                     to {max}"
+                ));
+            }
+        }
     }
 
     /// Fits the stiffness of axis `a` into `gain`.
@@ -115,7 +151,19 @@ impl Work<'_> {
                 let paths: Vec<&[f64]> = self.axes(a).map(|axis| axis.path.as_slice()).collect();
                 let reason = "the demonstrations spread alike everywhere, which says nothing about stiffness; \
                               take it from elsewhere, such as constant";
-                all(&gains::from_spread(&paths, bounds).ok_or_else(|| uninformative(reason))?)
+                match gains::from_spread(&paths, bounds) {
+                    Some(profile) => all(&profile),
+                    // Nobody asked for the spread: an axis that it says nothing about keeps the initial value.
+                    None if self.options.stiffness.is_none() => {
+                        let name = self.name(a);
+                        self.notes.push(format!(
+                            "axis `{name}`: the demonstrations spread alike everywhere, which says nothing about its \
+                             stiffness: it is constant"
+                        ));
+                        return Ok(StiffnessFrom::Constant);
+                    }
+                    None => return Err(uninformative(reason)),
+                }
             }
             StiffnessFrom::Emg => {
                 let activity = self.signal(a, |axis| axis.emg.as_deref(), ["emg"; 2], "stiffness from emg")?;

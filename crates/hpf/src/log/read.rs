@@ -43,6 +43,10 @@ pub struct Summary {
     pub attachments: Vec<(String, String, u64)>,
     /// Metadata by name.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Messages of channels that nothing defines, by the number of the channel.
+    pub orphans: BTreeMap<u16, u64>,
+    /// Logs that follow the first one in the file.
+    pub followers: u64,
 }
 
 /// What is in a topic.
@@ -91,15 +95,36 @@ pub fn summarize_bytes(mut bytes: impl Read, length: u64) -> io::Result<Summary>
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true)
         .with_record_length_limit(limit);
-    let mut reader = LinearReader::new_with_options(options);
+    let mut reader = LinearReader::new_with_options(options.clone());
     let mut contents = Contents::default();
     let work = Work::of(length);
     let mut begun = false;
+    // The first byte behind the end of a log, where another one follows.
+    let mut ahead = None;
     contents.summary.ending = loop {
         match reader.next_event() {
-            None => break Ending::Complete,
+            None => {
+                let mut next = [0];
+                if bytes.read(&mut next)? == 0 {
+                    break Ending::Complete;
+                }
+                if next[0] != mcap::MAGIC[0] {
+                    break Ending::Damaged("bytes that are no log follow its end".into());
+                }
+                ahead = Some(next[0]);
+                contents.settle();
+                contents.summary.followers += 1;
+                reader = LinearReader::new_with_options(options.clone());
+            }
             Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
-                let read = bytes.read(reader.insert(wanted.min(BLOCK)))?;
+                let buffer = reader.insert(wanted.min(BLOCK));
+                let read = match ahead.take() {
+                    Some(byte) => {
+                        buffer[0] = byte;
+                        1
+                    }
+                    None => bytes.read(buffer)?,
+                };
                 reader.notify_read(read);
             }
             Some(Ok(LinearReadEvent::Record { opcode, data })) => {
@@ -188,7 +213,11 @@ impl Contents {
             }
             op::MESSAGE => {
                 let (id, _sequence, time) = (fields.u16()?, fields.u32()?, fields.u64()?);
-                self.channels.get_mut(&id)?.messages += 1;
+                let Some(channel) = self.channels.get_mut(&id) else {
+                    *self.summary.orphans.entry(id).or_default() += 1;
+                    return Some(());
+                };
+                channel.messages += 1;
                 let (first, last) = self.summary.times.unwrap_or((time, time));
                 self.summary.times = Some((first.min(time), last.max(time)));
                 self.summary.messages += 1;
@@ -206,13 +235,19 @@ impl Contents {
         Some(())
     }
 
-    fn summary(mut self) -> Summary {
-        for channel in self.channels.into_values() {
+    /// Counts the messages of a log: another one defines its channels anew.
+    fn settle(&mut self) {
+        for channel in core::mem::take(&mut self.channels).into_values() {
             let (schema, schema_encoding) = self.schemas.get(&channel.schema).cloned().unwrap_or_default();
             let topic = self.summary.topics.entry(channel.topic).or_default();
             let messages = topic.messages + channel.messages;
             *topic = TopicSummary { schema, schema_encoding, encoding: channel.encoding, messages };
         }
+        self.schemas.clear();
+    }
+
+    fn summary(mut self) -> Summary {
+        self.settle();
         self.summary
     }
 }

@@ -51,6 +51,8 @@ impl Summary {
             "library": self.library,
             "chunks": self.chunks,
             "messages": self.messages,
+            "orphans": self.orphans.values().sum::<u64>(),
+            "logs": 1 + self.followers,
             "start_s": self.times.map(|(start, _)| seconds(start)),
             "end_s": self.times.map(|(_, end)| seconds(end)),
             "topics": topics.collect::<Vec<_>>(),
@@ -68,6 +70,13 @@ impl fmt::Display for Summary {
             write!(f, ", from {} s to {} s", seconds(start), seconds(end))?;
         }
         writeln!(f, ", written by {}", if self.library.is_empty() { "?".into() } else { line(&self.library) })?;
+        if self.followers > 0 {
+            writeln!(f, "{} logs one behind the other in this file", 1 + self.followers)?;
+        }
+        for (channel, messages) in &self.orphans {
+            let noun = if *messages == 1 { "message" } else { "messages" };
+            writeln!(f, "{messages} {noun} of channel {channel}, which nothing defines")?;
+        }
         for (name, topic) in &self.topics {
             let schema = if topic.schema.is_empty() { "-".into() } else { line(&topic.schema) };
             let (name, encoding) = (line(name), line(&topic.encoding));

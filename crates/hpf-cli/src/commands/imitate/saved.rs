@@ -25,20 +25,23 @@ struct AxisAccount {
     unit: Unit,
     error: f64,
     spread: f64,
+    /// The same after the recordings were carried to the task's start and goal.
+    aligned: [f64; 2],
     stiffness: &'static str,
     damping: &'static str,
 }
 
 impl Account {
-    /// The account of `imitated` from `sources`; `errors` is its distance from the demonstrations by axis,
-    /// `notes` what the user should know.
-    pub fn new(sources: &[Source], imitated: &Imitated, errors: &[f64], notes: Vec<String>) -> Self {
-        let spread = imitated.spread();
+    /// The account of `imitated` from `sources`; `errors` is its distance from the demonstrations by axis, as they were
+    /// recorded and as they are aligned, `notes` what the user should know.
+    pub fn new(sources: &[Source], imitated: &Imitated, errors: &[Vec<f64>; 2], notes: Vec<String>) -> Self {
+        let [spread, aligned] = [imitated.spread(), imitated.aligned_spread()];
         let axes = imitated.policy.axes.iter().enumerate().map(|(a, axis)| AxisAccount {
             name: axis.name.clone(),
             unit: axis.unit,
-            error: errors[a],
+            error: errors[0][a],
             spread: spread[a],
+            aligned: [errors[1][a], aligned[a]],
             stiffness: match imitated.stiffness[a] {
                 StiffnessFrom::Columns => "columns",
                 StiffnessFrom::Spread => "spread",
@@ -68,6 +71,8 @@ impl Account {
             object.insert("name".into(), json!(axis.name));
             object.insert(format!("rmse_{unit}"), json!(axis.error));
             object.insert(format!("spread_{unit}"), json!(axis.spread));
+            object.insert(format!("aligned_rmse_{unit}"), json!(axis.aligned[0]));
+            object.insert(format!("aligned_spread_{unit}"), json!(axis.aligned[1]));
             object.insert("stiffness_from".into(), json!(axis.stiffness));
             object.insert("damping_from".into(), json!(axis.damping));
             Value::Object(object)
@@ -109,6 +114,17 @@ impl Account {
                 axis.stiffness,
                 axis.damping
             );
+        }
+        // Told where it makes a difference: an axis that starts or ends elsewhere than its recordings.
+        let differs = |axis: &&AxisAccount| {
+            let far = |a: f64, b: f64| (a - b).abs() > 0.1 * a.max(b);
+            far(axis.error, axis.aligned[0]) || far(axis.spread, axis.aligned[1])
+        };
+        for axis in self.axes.iter().filter(differs) {
+            let unit = axis.unit.symbol();
+            let [error, spread] = axis.aligned.map(|value| words::measure(value, unit));
+            let spread = if count == 1 { String::new() } else { format!(", spread {spread}") };
+            let _ = writeln!(text, "{}: brought to the policy's start and goal: RMSE {error}{spread}", axis.name);
         }
         let _ = write!(text, "\ncost {} in the task\n\n", number(summary.last.0));
         text += &render::metrics(run, &summary.metrics);
