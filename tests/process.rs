@@ -405,9 +405,10 @@ fn a_program_whose_every_answer_is_misshapen_is_not_started_for_other_motions() 
         return;
     }
     let folder = folder();
-    let program = worker(folder.path(), "open('starts', 'a').write('x')\nsay(type='done', id=id, price=1.0)");
+    let file = folder.path().join("starts");
+    let program = worker(folder.path(), &format!("open({file:?}, 'a').write('x')\nsay(type='done', id=id, price=1.0)"));
     let (_, stderr) = learn(1, folder.path(), &["python3", &program], "run", &COSTS);
-    let starts = read(folder.path().join("starts"));
+    let starts = read(file);
     assert!(stderr.contains("none was ever answered right") && starts == "xxx", "{starts}: {stderr}");
 }
 

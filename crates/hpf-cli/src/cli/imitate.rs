@@ -15,7 +15,7 @@ pub const HELP: &str = "\
 Examples:
   hpf imitate tasks/demonstrations/wipe.csv
   hpf imitate tasks/demonstrations/reach_*.csv --name reach_softly
-  hpf imitate tasks/demonstrations/wipe.csv --time time_s:s --axis across=x_m:m --ignore-rest --name across
+  hpf imitate tasks/demonstrations/wipe.csv --time time_s:s --axis across=x_m:m --name across
   hpf imitate tasks/demonstrations/insert_emg.csv --stiffness-max 600 --damping-from ratio --mass 2
   hpf imitate tasks/demonstrations/push.csv --stiffness-from force --path reference
   hpf imitate tasks/demonstrations/reach_1.csv --task tasks/reach.toml  # exit code 3: target missed
