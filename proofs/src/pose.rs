@@ -47,8 +47,9 @@ pub fn pose<T: Real + PartialOrd>(input: &[T; IN], dt: T, out: &mut [T; OUT]) ->
     let mut motion = CoupledMotion { offset, velocity };
     inertia.step(&mut motion, &stiffness, felt.force, dt);
     let axes = step_rotation(motion.offset, [T::ONE; 3], [T::ONE; 3], torque, dt).offset;
-    let coupled = step_rotation_coupled(offset, &stiffness, &damping, torque, dt).offset;
-    let capped = within_cone(coupled, T::of(2.0) + forcing_scale(axes) * dt);
+    let step = step_rotation_coupled(offset, &stiffness, &damping, torque, dt);
+    tank.book(&mut energy, step.work(offset, torque).safe());
+    let capped = within_cone(step.offset, T::of(2.0) + forcing_scale(axes) * dt);
     let rate = offset_rate(capped, &stiffness, &damping, torque);
     let (r, r_rate) = chart.rechart(&Chart::new(path), chart.coordinates(&path), velocity);
     let reference = Commanded { orientation: chart.orientation(r).near(&goal), velocity: angular_velocity(r, r_rate) };
@@ -58,7 +59,7 @@ pub fn pose<T: Real + PartialOrd>(input: &[T; IN], dt: T, out: &mut [T; OUT]) ->
     let movement = Movement::new(T::ZERO, T::ONE, T::of(25.0), T::ONE, [tx, ty, tz, vx, vy])?;
     let rhythm = RhythmicMovement::new(Rhythm::new(T::of(1.5))?, periodic, movement)?;
     let (mut turn, mut state) = (Turn::START, rhythm.limit_cycle(100));
-    rhythm.step(&mut turn, &mut state, reference_power(capped, torque, velocity), dt);
+    rhythm.step(&mut turn, &mut state, reference_power(capped, torque, velocity), dt + energy);
 
     let Wxyz { w, x, y, z } = command.orientation.numbers();
     let [wx, wy, wz] = command.velocity;

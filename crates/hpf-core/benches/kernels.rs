@@ -6,8 +6,9 @@ use core::hint::black_box;
 
 use common::{Family, basis, controller, input, skill};
 use criterion::Criterion;
-use hpf_core::admittance::{Inertial, OffsetMotion, step_offset};
-use hpf_core::{Real, Transition};
+use hpf_core::admittance::{Inertial, OffsetMotion, step_coupled, step_offset};
+use hpf_core::orientation::{step_rotation, step_rotation_coupled};
+use hpf_core::{Real, Symmetric, Transition};
 
 /// A thousand phases along a movement: the cost of an exponential depends on its argument.
 fn phases<T: Real>() -> impl Iterator<Item = T> {
@@ -94,9 +95,45 @@ fn kernels<T: Real + PartialOrd>(criterion: &mut Criterion, scalar: &str) {
     });
 }
 
+/// Offsets of three axes with directions, and of an orientation.
+fn directions<T: Real>(criterion: &mut Criterion, scalar: &str) {
+    let matrix = |numbers: [f64; 6]| Symmetric::of(numbers.map(T::of));
+    let stiffness = matrix([123.0, 150.5, 52.6, 298.0, 44.2, 129.0]);
+    let damping = matrix([58.0, -4.9, 43.6, 37.3, 7.3, 54.6]);
+    let (force, dt) = ([1.0, -2.0, 0.5].map(T::of), T::of(1e-3));
+
+    criterion.bench_function(&format!("{scalar}/offset step, 3 axes with directions"), |bencher| {
+        let mut offset = [T::ZERO; 3];
+        bencher.iter(|| {
+            offset = step_coupled(offset, black_box(&stiffness), black_box(&damping), force, black_box(dt));
+            offset
+        });
+    });
+
+    criterion.bench_function(&format!("{scalar}/rotation step"), |bencher| {
+        let mut offset = [T::ZERO; 3];
+        let (stiffness, damping) = black_box(([20.0, 5.0, 10.0].map(T::of), [2.0, 1.0, 1.5].map(T::of)));
+        bencher.iter(|| {
+            offset = step_rotation(offset, stiffness, damping, force, black_box(dt)).offset;
+            offset
+        });
+    });
+
+    criterion.bench_function(&format!("{scalar}/rotation step with directions"), |bencher| {
+        let mut offset = [T::ZERO; 3];
+        bencher.iter(|| {
+            offset =
+                step_rotation_coupled(offset, black_box(&stiffness), black_box(&damping), force, black_box(dt)).offset;
+            offset
+        });
+    });
+}
+
 fn main() {
     let mut criterion = Criterion::default().configure_from_args();
     kernels::<f64>(&mut criterion, "f64");
     kernels::<f32>(&mut criterion, "f32");
+    directions::<f64>(&mut criterion, "f64");
+    directions::<f32>(&mut criterion, "f32");
     criterion.final_summary();
 }

@@ -1,9 +1,11 @@
 //! Movement and compliance of orientation on a chart, against 40-digit numbers and their energy.
 
+use hpf_core::frame::PathFrame;
 use hpf_core::orientation::{
     Chart, Commanded, OffsetStep, angular_velocity, commanded, offset_rate, reference_power, step_rotation,
     step_rotation_coupled, within_cone,
 };
+use hpf_core::passivity::EnergyTank;
 use hpf_core::rotation::{Quaternion, Wxyz, dot, left_jacobian, length, times, transposed_times};
 use hpf_core::{AxisPrimitives, Basis, Gain, HybridPrimitive, Law, Movement, Phase, Real, Symmetric};
 use serde_json::Value;
@@ -237,6 +239,9 @@ fn books(substeps: u32) -> (f64, [f64; 3], f64) {
         // At the tool the torque stands still while the offset goes from orientation to orientation.
         let turned = (Quaternion::exp(next) * Quaternion::exp(offset).conjugate()).log();
         apart += f64::abs(dot(torque, turned) - done);
+        let counted = OffsetStep { offset: next, force }.work(offset, torque);
+        assert!((counted.chart - done).abs() < 1e-15 && (counted.tool - dot(torque, turned)).abs() < 1e-15);
+        assert!(counted.safe() <= done && counted.safe() <= dot(torque, turned));
         (work, dissipated) = (work + done, dissipated + burnt);
         offset = next;
     }
@@ -288,6 +293,46 @@ fn the_power_of_a_torque_is_that_of_the_law_and_of_the_reference() {
         };
         let seen = (ahead(1.0) * ahead(-1.0).conjugate()).log().map(|part| part / (2.0 * small));
         assert!(gap(&seen, &found.velocity) < 1e-8, "{seen:?} {:?}", found.velocity);
+    }
+}
+
+#[test]
+fn a_tank_that_counts_the_smaller_work_keeps_its_promise_at_the_tool() {
+    // Hostile torques, and a stiffness that is asked to be stiff along the offset or across it: 1e6 updates. The work at the
+    // tool stays above what the tank may spend, less what the last step can owe.
+    let tank = EnergyTank::new(0.3, 0.05, 0.9, 100.0).unwrap();
+    let mut random = 0x2545_f491_4f6c_dd1d_u64;
+    let mut draw = || {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+    };
+    for run in 0..100 {
+        let (mut energy, mut stiffness, mut offset) = (tank.capacity(), Symmetric::isotropic(10.0), [0.0; 3]);
+        let damping = Symmetric::diagonal([2.0, 1.0, 1.5]);
+        let dt = 1e-3 * f64::from(run % 10 + 1);
+        let (mut work, mut torque, mut q) = (0.0, [0.0; 3], Quaternion::IDENTITY);
+        let mut frame = PathFrame::new(1e-9).unwrap();
+        for _ in 0..10_000 {
+            if draw() > 0.9 {
+                torque = [draw(), draw(), draw()].map(|part| 12.0 * part);
+                q = Quaternion::exp([draw(), draw(), draw()].map(|part| 3.0 * part));
+            }
+            let hostile = draw() > 0.0;
+            let frame = if hostile { frame.follow(offset) } else { q };
+            let wanted = Symmetric::diagonal([40.0, 6.0, 6.0]).turned(&frame);
+            stiffness = tank.stiffness_matrix(&mut energy, &stiffness, &wanted, offset, dt);
+            let acting = if hostile { offset.map(|part| -20.0 * part) } else { torque };
+            let step = step_rotation_coupled(offset, &stiffness, &damping, acting, dt);
+            let done = step.work(offset, acting);
+            let stored = 0.5 * (stiffness.quadratic(step.offset) - stiffness.quadratic(offset));
+            tank.book(&mut energy, done.safe() - stored);
+            work += done.tool;
+            offset = step.offset;
+            assert!(length(offset) < 3.0, "the torques are too large for the chart");
+            assert!(work >= -(tank.capacity() - 0.05) - 1e-3, "{work} J at {dt} s");
+        }
     }
 }
 

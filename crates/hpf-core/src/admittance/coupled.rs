@@ -45,15 +45,22 @@ pub fn step_coupled<T: Real>(
     force: [T; 3],
     dt: T,
 ) -> [T; 3] {
-    let Modes { rates, shapes, damped } = stiffness.modes(damping);
-    let mut next = [T::ZERO; 3];
-    for ((rate, shape), damped) in rates.into_iter().zip(shapes).zip(damped) {
-        // Rounding may leave the rate of a stiffness of zero below zero.
-        let rate = rate.at_least(T::ZERO);
-        let part = step_offset(dot(damped, offset), rate, T::ONE, dot(shape, force), dt);
-        next = add_scaled(next, shape, part);
+    stiffness.modes(damping).step(offset, force, dt)
+}
+
+impl<T: Real> Modes<T> {
+    /// One step of all modes, exact for a force held over `dt` [s].
+    #[inline]
+    pub(crate) fn step(&self, offset: [T; 3], force: [T; 3], dt: T) -> [T; 3] {
+        let mut next = [T::ZERO; 3];
+        for ((&rate, &shape), &damped) in self.rates.iter().zip(&self.shapes).zip(&self.damped) {
+            // Rounding may leave the rate of a stiffness of zero below zero.
+            let rate = rate.at_least(T::ZERO);
+            let part = step_offset(dot(damped, offset), rate, T::ONE, dot(shape, force), dt);
+            next = add_scaled(next, shape, part);
+        }
+        next.map(flushed)
     }
-    next.map(flushed)
 }
 
 /// Velocity of an offset [m/s]: `D^-1 (f - K e)`.
