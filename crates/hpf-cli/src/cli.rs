@@ -391,7 +391,7 @@ fn most_motions(text: &str) -> Result<usize, String> {
 /// `hpf info`
 #[derive(Args, Debug)]
 pub struct Info {
-    /// Run directory or summary.json, task (TOML), policy (JSON or binary) or log (MCAP); several must be runs
+    /// Run directory or summary.json, task (TOML), policy (JSON or binary), log (MCAP) or recording; several must be runs
     #[arg(value_name = "RUN|FILE", required = true)]
     pub files: Vec<PathBuf>,
 }
