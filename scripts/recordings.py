@@ -88,9 +88,10 @@ def wrench(i):
 
 def bag(folder, topics, **options):
     """A bag of ROS 2 whose messages arrive in bursts of four."""
-    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        if options:
-            writer.set_compression(**options)
+    writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+    if options:
+        writer.set_compression(**options)
+    with writer:
         for topic, make in topics:
             first = make(0)
             connection = writer.add_connection(topic, first.__msgtype__, typestore=store)

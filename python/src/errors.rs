@@ -53,7 +53,9 @@ pub fn of_recording(py: Python<'_>, file: Option<&str>, mistakes: &[hpf::recordi
         .collect();
     let place = file.map_or_else(String::new, |file| format!("{file}: "));
     let message = lines.iter().map(|line| format!("{place}{line}")).collect::<Vec<_>>().join("\n");
-    let places = mistakes.iter().map(|mistake| (file, (mistake.line > 0).then_some(mistake.line as usize), None, mistake.message.as_str(), ""));
+    let places = mistakes
+        .iter()
+        .map(|mistake| (file, (mistake.line > 0).then_some(mistake.line as usize), None, mistake.message.as_str(), ""));
     raise(py, "DemonstrationError", &message, places.collect())
 }
 

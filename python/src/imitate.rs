@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use hpf::failure::in_text;
-use hpf::results::{LearningRow, Run};
 use hpf::recordings::{self, Mapping};
+use hpf::results::{LearningRow, Run};
 use hpf::{Failure, Prepared, Trial, files, overrides, trial};
 use hpf_sim::demonstration::{
     DampingFrom, DurationFrom, Fit, Follow, Imitation, Outline, ScaleBy, Smoothing, StiffnessFrom,
@@ -160,6 +160,7 @@ pub fn _imitate(
         policy.provenance.task_sha256 = files::sha256(&loaded.text);
         policy.provenance.cost = summary.last.0;
         summary.policy_sha256 = files::sha256(&policy.to_json());
+        notes.extend(recordings::notes_outside(&imitated, &trajectory));
         let error = imitated.errors(&trajectory).iter().map(|error| error * error).sum::<f64>().sqrt();
         let units: Vec<&str> = task.axis.iter().map(|axis| axis.unit.symbol()).collect();
         let unit = if units.iter().all(|unit| *unit == units[0]) { units[0] } else { "" };

@@ -388,7 +388,7 @@ pub struct Benchmark {
 /// `hpf info`
 #[derive(Args, Debug)]
 pub struct Info {
-    /// Run directory or summary.json, task (TOML), policy (JSON or binary) or log (MCAP); several must be runs
+    /// Run directory or summary.json, task (TOML), policy (JSON or binary), log (MCAP) or recording; several must be runs
     #[arg(value_name = "RUN|FILE", required = true)]
     pub files: Vec<PathBuf>,
 }

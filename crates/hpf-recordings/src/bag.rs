@@ -10,6 +10,7 @@
 //!
 //! Source: <https://mcap.dev/spec>.
 
+mod cdr;
 mod messages;
 mod records;
 
@@ -39,13 +40,26 @@ struct Series {
     has_header: bool,
     /// Why messages are not read.
     why: Option<String>,
-    numbers: usize,
 }
 
 /// Reads the topic that the mapping names, or the only one with positions.
 pub fn read(bytes: &[u8], mapping: &Mapping) -> Result<(Table, Vec<Topic>), Refusal> {
     let mut topics: BTreeMap<String, Series> = BTreeMap::new();
-    let contents = records::read(bytes, |message| take(&mut topics, message)).map_err(Mistake::whole)?;
+    let wanted: Vec<String> =
+        mapping.topic.iter().flat_map(|topics| topics.split(',')).map(|name| name.trim().to_owned()).collect();
+    let mut numbers = 0;
+    let contents = records::read(bytes, |message| {
+        // A frame of a message with several is asked for as topic#frame.
+        let is_asked = |name: &String| name.split('#').next() == Some(message.topic);
+        if wanted.is_empty() || wanted.iter().any(is_asked) {
+            take(&mut topics, message, &mut numbers);
+        } else {
+            let series = topics.entry(message.topic.to_owned()).or_default();
+            series.count += 1;
+            message.schema.clone_into(&mut series.kind);
+        }
+    })
+    .map_err(Mistake::whole)?;
     let is_read = |series: &Series| series.why.is_none() && series.rows.len() > 1;
     let listed: Vec<Topic> = topics
         .iter()
@@ -60,10 +74,7 @@ pub fn read(bytes: &[u8], mapping: &Mapping) -> Result<(Table, Vec<Topic>), Refu
         let saw = Saw { kind: "an MCAP file".into(), topics: listed.clone(), ..Saw::default() };
         Refusal { saw: Some(Box::new(saw)), ..Refusal::from(Mistake::whole(why)) }
     };
-    let names: Vec<String> = match &mapping.topic {
-        Some(wanted) => wanted.split(',').map(|name| name.trim().to_owned()).collect(),
-        None => vec![only(&topics).map_err(&refuse)?.to_owned()],
-    };
+    let names = if wanted.is_empty() { vec![only(&topics).map_err(&refuse)?.to_owned()] } else { wanted };
     let mut tables = Vec::new();
     for name in &names {
         let Some(series) = topics.remove(name) else {
@@ -88,7 +99,9 @@ pub fn read(bytes: &[u8], mapping: &Mapping) -> Result<(Table, Vec<Topic>), Refu
 }
 
 /// Takes a message into its topic.
-fn take(topics: &mut BTreeMap<String, Series>, message: &Message<'_>) {
+///
+/// `numbers` are those of all topics so far: they are kept until it is known which topic is read.
+fn take(topics: &mut BTreeMap<String, Series>, message: &Message<'_>, numbers: &mut usize) {
     let mut put = |topic: String, row: Option<Row>, why: Option<String>| {
         let series = topics.entry(topic).or_default();
         series.count += 1;
@@ -106,9 +119,10 @@ fn take(topics: &mut BTreeMap<String, Series>, message: &Message<'_>) {
                 .get_or_insert_with(|| "its messages have different fields or joints from message to message".into());
             return;
         }
-        series.numbers += row.values.len();
-        if series.numbers > MAX_CELLS {
-            series.why.get_or_insert_with(|| format!("more than {MAX_CELLS} numbers, which is the most that is read"));
+        *numbers += row.values.len();
+        if *numbers > MAX_CELLS {
+            let why = || format!("more than {MAX_CELLS} numbers in all topics that are read: name one with --topic");
+            series.why.get_or_insert_with(why);
             return;
         }
         series.times.push(row.stamp.unwrap_or(message.log_time as i64));
@@ -175,7 +189,6 @@ fn table(topic: &str, mut series: Series, task: Option<&str>) -> Table {
         columns,
         is_named: true,
         time: Some(0),
-        is_sorted: !is_sorted,
         ..Table::default()
     };
     if !is_sorted {

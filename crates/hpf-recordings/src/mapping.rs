@@ -124,6 +124,17 @@ pub fn units_of(list: &str) -> Result<Vec<UnitWord>, String> {
 }
 
 impl Mapping {
+    /// Refuses what no recording can have.
+    ///
+    /// # Errors
+    /// What it is.
+    pub fn check(&self) -> Result<(), String> {
+        match self.sample_rate {
+            Some(rate) if !(rate.is_finite() && rate > 0.0) => Err("the sample rate must be above 0".into()),
+            _ => Ok(()),
+        }
+    }
+
     /// The unit that `--units` gives a dimension.
     pub fn unit_for(&self, dimension: Dimension) -> Option<UnitWord> {
         self.units.iter().copied().find(|unit| unit.dimension == dimension)

@@ -116,11 +116,11 @@ fn is_stray(axis: &str, axes: &HashSet<&str>) -> bool {
     })
 }
 
-/// What is read of a table by the names of its columns.
+/// What is read of a table by the names of its columns; those `named` by the mapping need no name of ours.
 ///
 /// # Errors
 /// Every mistake of the header, to [`MAX_MISTAKES`].
-pub fn by_name(table: &Table, ignore_rest: bool, has_time: bool) -> Result<Plan, Vec<Mistake>> {
+pub fn by_name(table: &Table, ignore_rest: bool, has_time: bool, named: &[usize]) -> Result<Plan, Vec<Mistake>> {
     let line = if table.is_named { table.header_line } else { 1 };
     let mut mistakes = Vec::new();
     let kinds: Vec<Option<Kind>> = table.columns.iter().map(|column| kind(&column.name)).collect();
@@ -138,6 +138,7 @@ pub fn by_name(table: &Table, ignore_rest: bool, has_time: bool) -> Result<Plan,
         }
         let mut say = |message: String| mistakes.push(Mistake::of_column(line, name, message));
         let is_unknown = match kind {
+            None if named.contains(&at) => continue,
             None => true,
             Some(Kind::Axis { name: own, signal: Signal::Position, .. }) => is_stray(own, &all),
             Some(_) => false,

@@ -29,9 +29,15 @@ const MAX_UNPACKED: u64 = 1 << 30;
 /// An array with at most so many rows and ten times as many columns holds its samples in columns.
 const FEW_ROWS: usize = 32;
 
+/// Numbers less a base: time stamps in nanoseconds have more digits than a float keeps.
+struct Series {
+    base: f64,
+    values: Vec<f64>,
+}
+
 /// An array: named columns of one length.
 struct Array {
-    columns: Vec<(Option<String>, Vec<f64>)>,
+    columns: Vec<(Option<String>, Series)>,
     /// Dimensions.
     shape: Vec<usize>,
 }
@@ -101,7 +107,7 @@ fn table(kind: &str, topic: &str, arrays: Vec<(String, Array)>) -> Table {
         Table { kind: kind.into(), topic: topic.into(), lines: (1..=rows as u64).collect(), ..Table::default() };
     for (name, array) in arrays {
         let count = array.columns.len();
-        for (i, (own, values)) in array.columns.into_iter().enumerate() {
+        for (i, (own, Series { base, values })) in array.columns.into_iter().enumerate() {
             let name = match (name.as_str(), own) {
                 ("", Some(own)) => own,
                 ("", None) => (i + 1).to_string(),
@@ -110,20 +116,15 @@ fn table(kind: &str, topic: &str, arrays: Vec<(String, Array)>) -> Table {
                 (name, None) => format!("{name}_{i}"),
             };
             table.is_named |= name.parse::<f64>().is_err();
-            table.columns.push(column(name, values));
+            table.columns.push(Column { base, ..Column::of(name, values) });
         }
     }
     table
 }
 
-/// A column whose base is the first number where that is a time stamp of many digits.
-fn column(name: String, values: Vec<f64>) -> Column {
-    Column::of(name, values)
-}
-
 impl Array {
     fn rows(&self) -> usize {
-        self.columns.first().map_or(0, |(_, values)| values.len())
+        self.columns.first().map_or(0, |(_, series)| series.values.len())
     }
 }
 
@@ -150,7 +151,8 @@ impl Scalar {
         if fits { Ok(Self { kind, size, is_big: order == ">" }) } else { Err(refuse()) }
     }
 
-    fn number(self, bytes: &[u8]) -> f64 {
+    /// The bytes of a number, least first.
+    fn little(self, bytes: &[u8]) -> u64 {
         let mut eight = [0; 8];
         if self.is_big {
             eight[8 - self.size..].copy_from_slice(bytes);
@@ -158,7 +160,11 @@ impl Scalar {
         } else {
             eight[..self.size].copy_from_slice(bytes);
         }
-        let low = u64::from_le_bytes(eight);
+        u64::from_le_bytes(eight)
+    }
+
+    fn number(self, bytes: &[u8]) -> f64 {
+        let low = self.little(bytes);
         match (self.kind, self.size) {
             (b'f', 4) => f64::from(f32::from_bits(low as u32)),
             (b'f', _) => f64::from_bits(low),
@@ -169,7 +175,28 @@ impl Scalar {
             _ => low as f64,
         }
     }
+
+    /// The numbers of a column.
+    fn series<'b>(self, mut cells: impl Iterator<Item = &'b [u8]>) -> Series {
+        let mut series = Series { base: 0.0, values: Vec::new() };
+        let Some(first) = cells.next() else { return series };
+        let whole = |bytes: &[u8]| match self.kind {
+            b'i' => i128::from(self.little(bytes) as i64),
+            _ => i128::from(self.little(bytes)),
+        };
+        if matches!(self.kind, b'i' | b'u') && self.size == 8 && whole(first).unsigned_abs() > EXACT {
+            series.base = whole(first) as f64;
+            let base = series.base as i128;
+            series.values = core::iter::once(first).chain(cells).map(|cell| (whole(cell) - base) as f64).collect();
+        } else {
+            series.values = core::iter::once(first).chain(cells).map(|cell| self.number(cell)).collect();
+        }
+        series
+    }
 }
+
+/// Whole numbers to here are floats.
+const EXACT: u128 = 1 << 53;
 
 /// Reads an array.
 fn array(bytes: &[u8]) -> Result<Array, String> {
@@ -199,14 +226,14 @@ fn array(bytes: &[u8]) -> Result<Array, String> {
         let mut columns = Vec::new();
         let mut at = 0;
         for (name, scalar) in fields {
-            let value = |i: usize| scalar.number(&data[i * size + at..i * size + at + scalar.size]);
-            columns.push((name, (0..count).map(value).collect()));
+            let cell = |i: usize| &data[i * size + at..i * size + at + scalar.size];
+            columns.push((name, scalar.series((0..count).map(cell))));
             at += scalar.size;
         }
         return Ok(Array { columns, shape });
     }
     let scalar = fields[0].1;
-    let number = |i: usize| scalar.number(&data[i * size..(i + 1) * size]);
+    let cell = |i: usize| &data[i * size..(i + 1) * size];
     let (rows, width) = match shape.as_slice() {
         [] => (1, 1),
         [rows] => (*rows, 1),
@@ -216,12 +243,10 @@ fn array(bytes: &[u8]) -> Result<Array, String> {
     // Samples in columns, as MATLAB has them.
     let is_lying = rows <= FEW_ROWS && width > 10 * rows.max(1);
     let at = |row: usize, column: usize| if is_by_column { column * rows + row } else { row * width + column };
-    let lines =
-        |count: usize, line: &dyn Fn(usize) -> Vec<f64>| (0..count).map(|i| (None, line(i))).collect::<Vec<_>>();
     let columns = if is_lying {
-        lines(rows, &|row| (0..width).map(|column| number(at(row, column))).collect())
+        (0..rows).map(|row| (None, scalar.series((0..width).map(|column| cell(at(row, column)))))).collect()
     } else if width <= MAX_COLUMNS {
-        lines(width, &|column| (0..rows).map(|row| number(at(row, column))).collect())
+        (0..width).map(|column| (None, scalar.series((0..rows).map(|row| cell(at(row, column)))))).collect()
     } else {
         return Err(format!("{width} columns; at most {MAX_COLUMNS} are read"));
     };

@@ -5,7 +5,7 @@ use hpf_sim::Demonstration;
 use crate::collect::collect;
 use crate::mapping::Mapping;
 use crate::mistake::{Mistake, Refusal};
-use crate::saw::{Saw, Topic, refuse_unknown};
+use crate::saw::{Saw, Topic};
 use crate::select::plan;
 use crate::table::Table;
 use crate::treat::treat;
@@ -108,7 +108,7 @@ fn table(bytes: &[u8], mapping: &Mapping) -> Result<(Table, Vec<Topic>), Refusal
 /// # Errors
 /// Every mistake found, to [`MAX_MISTAKES`](crate::MAX_MISTAKES), and what is in the file where it could be looked into.
 pub fn read(bytes: &[u8], mapping: &Mapping) -> Result<Read, Refusal> {
-    refuse_unknown(mapping).map_err(|why| Refusal::from(Mistake::whole(why)))?;
+    mapping.check().map_err(|why| Refusal::from(Mistake::whole(why)))?;
     let (table, topics) = table(bytes, mapping)?;
     let mut notes = table.notes.clone();
     let with_saw =

@@ -3,7 +3,6 @@
 use core::fmt::{self, Write as _};
 
 use crate::guess::{self, short};
-use crate::mapping::Mapping;
 use crate::names::{self, Kind};
 use crate::preset::PRESETS;
 use crate::table::Table;
@@ -105,7 +104,7 @@ impl Saw {
         if columns.iter().any(|column| column.role == UNKNOWN) && (has_own || !axes.is_empty()) {
             options.push("--ignore-rest".into());
         }
-        let preset = PRESETS[..7].iter().find(|(_, preset)| is_surely(*preset, table));
+        let preset = PRESETS.iter().find(|(_, preset)| is_surely(*preset, table));
         let options = match preset {
             Some((name, _)) => Some(format!("--preset {name}")),
             None => (has_own || !axes.is_empty()).then(|| options.join(" ")),
@@ -174,16 +173,5 @@ impl fmt::Display for Saw {
             writeln!(f, "  and {} more columns", self.columns.len() - SHOWN)?;
         }
         Ok(())
-    }
-}
-
-/// What a mapping cannot be asked for yet.
-///
-/// # Errors
-/// Its name and what to do instead.
-pub fn refuse_unknown(mapping: &Mapping) -> Result<(), String> {
-    match mapping.sample_rate {
-        Some(rate) if !(rate.is_finite() && rate > 0.0) => Err("the sample rate must be above 0".into()),
-        _ => Ok(()),
     }
 }

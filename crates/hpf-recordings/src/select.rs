@@ -58,8 +58,10 @@ pub fn plan(table: &Table, mapping: &Mapping) -> Result<Plan, Vec<Mistake>> {
     } else {
         mapping
     };
+    let sources = mapping.time.iter().chain(mapping.forces.iter().map(|force| &force.source));
+    let named: Vec<usize> = sources.filter_map(|source| table.find(&source.column).ok()).collect();
     let mut plan = if mapping.is_by_name() {
-        by_name(table, mapping.ignore_rest, has_time)?
+        by_name(table, mapping.ignore_rest, has_time, &named)?
     } else {
         mapped(table, mapping)
             .map_err(|messages| messages.into_iter().map(|message| Mistake::at(line, message)).collect::<Vec<_>>())?

@@ -29,8 +29,6 @@ pub struct Table {
     pub time: Option<usize>,
     /// Lines before the header that belong to no row, the first ones.
     pub preamble: Vec<String>,
-    /// Whether rows were put in the order of time, as those of a bag are.
-    pub is_sorted: bool,
 }
 
 /// A column of numbers.

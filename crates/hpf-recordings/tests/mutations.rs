@@ -115,3 +115,68 @@ fn a_thousand_changed_recordings_are_right_noted_or_refused() {
     println!("{right} right, {noted} noted, {refused} refused");
     assert!(right > 300 && refused > 200, "{right} {noted} {refused}");
 }
+
+/// Bytes that tend to break readers.
+const NASTY: [&[u8]; 12] = [
+    b"nan",
+    b"-inf",
+    b"1e999",
+    b"99999999999999999999",
+    b"\"",
+    b",",
+    b"\n",
+    b"\r",
+    b"\0",
+    b"\xff\xfe",
+    b";",
+    &[0xff; 8],
+];
+
+#[test]
+fn no_change_of_a_file_of_any_format_makes_the_reader_fail_otherwise_than_by_a_refusal() {
+    let folder = format!("{}/../../fuzz/seeds/demonstrations", env!("CARGO_MANIFEST_DIR"));
+    let mut numbers = Numbers(2);
+    let mut mappings =
+        vec![Mapping::default(), Mapping { ignore_rest: true, sample_rate: Some(50.0), ..Mapping::default() }];
+    mappings.push(Mapping {
+        time: Some("#1".parse().unwrap()),
+        axes: vec!["x=#2:mm".parse().unwrap()],
+        bridge: true,
+        trim: true,
+        ..Mapping::default()
+    });
+    for (_, preset) in hpf_recordings::PRESETS {
+        mappings.push(Mapping { preset: Some(preset), ..Mapping::default() });
+    }
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let seed = std::fs::read(entry.unwrap().path()).unwrap();
+        for round in 0..200 {
+            let mut bytes = seed.clone();
+            for _ in 0..1 + round % 3 {
+                let at = numbers.below(bytes.len());
+                match numbers.below(4) {
+                    0 => bytes[at] ^= 1 << numbers.below(8),
+                    1 => bytes.truncate(at.max(1)),
+                    2 => drop(bytes.splice(at..at, NASTY[numbers.below(NASTY.len())].iter().copied())),
+                    _ => bytes[at] = numbers.next() as u8,
+                }
+            }
+            for mapping in &mappings {
+                match read(&bytes, mapping) {
+                    Ok(read) => {
+                        let time = &read.recording.time;
+                        assert!(time.windows(2).all(|pair| pair[0] < pair[1]), "{time:?}");
+                        for axis in &read.recording.axes {
+                            assert!(axis.position.len() == time.len() && axis.position.iter().all(|x| x.is_finite()));
+                        }
+                    }
+                    Err(refusal) => {
+                        assert!(!refusal.mistakes.is_empty());
+                        refusal.mistakes.iter().for_each(|mistake| assert!(!mistake.to_string().is_empty()));
+                    }
+                }
+            }
+            let _ = hpf_recordings::inspect(&bytes, &Mapping::default()).map(|saw| saw.to_string());
+        }
+    }
+}

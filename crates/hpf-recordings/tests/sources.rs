@@ -91,6 +91,16 @@ fn a_file_of_other_names_is_looked_into_and_read_by_the_command_that_is_offered(
 }
 
 #[test]
+fn a_time_of_another_name_is_named_and_the_axes_read_by_theirs() {
+    let text = table("when,x_m,y_m,fx\n", |t, [x, y]| format!("{t},{x},{y},1"));
+    let time = Some("when:s".parse().unwrap());
+    let forces = vec!["x=fx:N".parse().unwrap()];
+    let found = found(text.as_bytes(), &Mapping { time, forces, ..Mapping::default() });
+    is_motion(&found.recording, 1e-12);
+    assert!(found.recording.axes[0].force.is_some() && found.notes.is_empty(), "{:?}", found.notes);
+}
+
+#[test]
 fn a_table_without_header_is_read_by_numbers_of_columns() {
     let text = table("", |t, [x, y]| format!("{t} {x} {y}"));
     let saw = read(text.as_bytes(), &Mapping::default()).unwrap_err().saw.unwrap();

@@ -40,7 +40,7 @@ use prost::Message;
 pub use mcap::MAGIC;
 
 pub use self::bag::bag;
-pub use self::read::{Ending, summarize, summarize_bytes};
+pub use self::read::{Ending, Summary, summarize, summarize_bytes};
 pub use self::recover::{Recovered, recover};
 use self::topic::Topic;
 use crate::files::sha256;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use hpf_sim::Demonstration;
+use hpf_sim::{AxisTrace, Demonstration, Imitated, Trace};
 
 use crate::failure::Failure;
 use crate::files::{in_file, read_bytes, read_task, sha256_of_bytes, verify_run};
@@ -84,6 +84,33 @@ pub fn bytes_of(path: &Path) -> Result<(PathBuf, Vec<u8>), Failure> {
         ([], None, Some(sqlite)) => read_bytes(sqlite).map(|bytes| (sqlite.clone(), bytes)),
         ([], None, None) => Err(in_file(path)("this folder of a bag holds no .mcap file")),
     }
+}
+
+/// A policy that leaves the range of its recordings by more than this share of it is noted.
+const MARGIN: f64 = 0.05;
+/// A position is rounded to this share of itself, at least.
+const ROUNDING: f64 = 1e-9;
+
+/// Notes of axes whose reference in `trace` leaves the range of the demonstrations by more than 5 % of it.
+pub fn notes_outside(imitated: &Imitated, trace: &Trace) -> Vec<String> {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    let of_axis = |(a, axis): (usize, &AxisTrace)| {
+        let recorded = imitated.demonstrations.iter().chain(&imitated.aligned);
+        let [low, high] = range(&mut recorded.flat_map(|one| one[a].iter().copied()));
+        let [least, most] = range(&mut axis.reference_position[..=trace.steps()].iter().copied());
+        let beyond = (low - least).max(most - high);
+        let (name, unit) = (&imitated.policy.axes[a].name, imitated.policy.axes[a].unit.symbol());
+        // Of an axis that never moves the range is rounding.
+        (beyond > MARGIN * (high - low) + ROUNDING * high.abs().max(low.abs())).then(|| {
+            format!(
+                "axis `{name}`: the policy leaves the range of the recordings, {low:.4} to {high:.4} {unit}, by {beyond:.4} \
+                 {unit}"
+            )
+        })
+    };
+    trace.axes.iter().enumerate().filter_map(of_axis).collect()
 }
 
 /// A refusal of the file `path`: its mistakes, what was seen, and the command that may read it.

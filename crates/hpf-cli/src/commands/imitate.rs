@@ -46,6 +46,7 @@ pub fn imitate(options: &Options, common: &Common) -> Result<Outcome, Failure> {
     let (run, mut summary, errors) = simulate(&loaded, &imitated)?;
     notes.extend(log::time_note(&loaded.task));
     notes.extend(imitated.notes.iter().cloned());
+    notes.extend(recordings::notes_outside(&imitated, &run.trajectory));
     let account = saved::Account::new(&sources, &imitated, &errors, notes);
 
     let target = common.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&loaded.task.name));

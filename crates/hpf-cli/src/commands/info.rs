@@ -46,7 +46,7 @@ fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
     if begins_with(path, log::MAGIC) || is_named_as_log(path) {
         let contents = log::summarize(path).map_err(in_file(path))?;
         let hint = match contents.ending {
-            Ending::Complete => String::new(),
+            Ending::Complete => imitate_hint(path, &contents),
             _ => format!("\nnext: hpf recover {}\n", typed(path.display())),
         };
         return answer(common, &contents.to_json(), || format!("{contents}{hint}"));
@@ -63,6 +63,20 @@ fn one(path: &Path, common: &Common) -> Result<Outcome, Failure> {
         });
     }
     super::check::check(&Check { file: path.to_owned(), ..Check::default() }, common)
+}
+
+/// Largest bag that is looked into for the command that may read it [bytes].
+const MAX_INSPECTED: u64 = 256 << 20;
+
+/// The command that may read a bag of others.
+fn imitate_hint(path: &Path, contents: &log::Summary) -> String {
+    let is_small = path.metadata().is_ok_and(|metadata| metadata.len() <= MAX_INSPECTED);
+    if contents.metadata.contains_key("hpf.run") || !is_small {
+        return String::new();
+    }
+    let saw = read_bytes(path).ok().and_then(|bytes| recordings::inspect(&bytes, &Mapping::default()).ok());
+    let command = saw.and_then(|saw| saw.command(&path.display().to_string()));
+    command.map_or(String::new(), |command| format!("\nnext: {command}\n"))
 }
 
 /// Whether the file is a recording: by its first bytes, or by an ending that tables have.
@@ -85,6 +99,8 @@ fn saw_in_json(saw: &Saw, path: &Path) -> Value {
         .iter()
         .map(|topic| json!({ "name": topic.name, "type": topic.kind, "count": topic.count, "is_read": topic.is_read }));
     json!({
+        "format": "hpf-recording-info",
+        "version": 1,
         "kind": saw.kind,
         "rows": saw.rows,
         "columns": columns.collect::<Vec<_>>(),

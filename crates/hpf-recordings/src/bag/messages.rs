@@ -1,7 +1,6 @@
 //! Messages of ROS 2 that hold positions or forces, from CDR of either byte order.
 
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use super::cdr::{Cdr, Damaged};
 
 /// A row of a topic.
 pub struct Row {
@@ -55,92 +54,36 @@ pub fn kind_of(schema: &str) -> Option<Kind> {
     })
 }
 
-#[derive(Deserialize)]
-struct Header {
-    sec: i32,
-    nanosec: u32,
-    _frame_id: String,
-}
+type Vector = [f64; 3];
 
-impl Header {
-    fn stamp(&self) -> Option<i64> {
-        Some(i64::from(self.sec) * 1_000_000_000 + i64::from(self.nanosec))
+/// Position and quaternion.
+type Pose = (Vector, [f64; 4]);
+
+/// Why a message is not read.
+const DAMAGED: &str = "a message is damaged or of another version";
+
+impl From<Damaged> for String {
+    fn from(_: Damaged) -> Self {
+        DAMAGED.into()
     }
 }
 
-type Vector = [f64; 3];
-type Quaternion = [f64; 4];
-
-#[derive(Deserialize)]
-struct Pose {
-    position: Vector,
-    orientation: Quaternion,
+/// The time of a header [ns].
+fn header(cdr: &mut Cdr<'_>) -> Result<Option<i64>, Damaged> {
+    let (seconds, nanoseconds) = (cdr.i32()?, cdr.u32()?);
+    cdr.text()?;
+    Ok(Some(i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds)))
 }
 
-#[derive(Deserialize)]
-struct PoseStamped {
-    header: Header,
-    pose: Pose,
+fn pose(cdr: &mut Cdr<'_>) -> Result<Pose, Damaged> {
+    Ok((cdr.numbers()?, cdr.numbers()?))
 }
 
-#[derive(Deserialize)]
-struct PointStamped {
-    header: Header,
-    point: Vector,
-}
-
-#[derive(Deserialize)]
-struct TransformStamped {
-    header: Header,
-    child_frame_id: String,
-    transform: Pose,
-}
-
-#[derive(Deserialize)]
-struct TfMessage {
-    transforms: Vec<TransformStamped>,
-}
-
-/// Up to the pose: its covariance and the twist follow.
-#[derive(Deserialize)]
-struct Odometry {
-    header: Header,
-    _child_frame_id: String,
-    pose: Pose,
-}
-
-#[derive(Deserialize)]
-struct Pair {
-    header: Header,
-    first: Vector,
-    second: Vector,
-}
-
-#[derive(Deserialize)]
-struct JointState {
-    header: Header,
-    name: Vec<String>,
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-    effort: Vec<f64>,
-}
-
-#[derive(Deserialize)]
-struct Dimension {
-    _label: String,
-    _size: u32,
-    _stride: u32,
-}
-
-#[derive(Deserialize)]
-struct Float64MultiArray {
-    _dim: Vec<Dimension>,
-    _data_offset: u32,
-    data: Vec<f64>,
-}
-
-fn read<T: DeserializeOwned>(data: &[u8]) -> Result<T, String> {
-    cdr::deserialize(data).map_err(|error| format!("a message is damaged or of another version: {error}"))
+/// A transform and the frame that it moves.
+fn transform(cdr: &mut Cdr<'_>) -> Result<(String, Row), Damaged> {
+    let stamp = header(cdr)?;
+    let child = cdr.text()?;
+    Ok((child, of_pose(stamp, pose(cdr)?)))
 }
 
 /// The rows of a message, each with the frame it is of where a message holds several.
@@ -149,31 +92,62 @@ fn read<T: DeserializeOwned>(data: &[u8]) -> Result<T, String> {
 /// Why the bytes are none of this type.
 pub fn decode(schema: &str, data: &[u8]) -> Result<Vec<(String, Row)>, String> {
     let kind = kind_of(schema).ok_or("this type is not read")?;
-    let one = |row: Row| Ok(vec![(String::new(), row)]);
-    match kind {
-        Kind::PoseStamped => read(data).and_then(|PoseStamped { header, pose }| one(of_pose(header.stamp(), &pose))),
-        Kind::Pose => read(data).and_then(|pose: Pose| one(of_pose(None, &pose))),
-        Kind::Point => read(data).and_then(|point: Vector| one(of_vectors(None, [("", "m", point)]))),
-        Kind::PointStamped => {
-            read(data).and_then(|PointStamped { header, point }| one(of_vectors(header.stamp(), [("", "m", point)])))
-        }
-        Kind::TransformStamped => read(data).map(|transform| vec![of_transform(transform)]),
+    let cdr = &mut Cdr::new(data)?;
+    let row = match kind {
+        Kind::PoseStamped => of_pose(header(cdr)?, pose(cdr)?),
+        Kind::Pose => of_pose(None, pose(cdr)?),
+        Kind::Point => of_vectors(None, [("", "m", cdr.numbers()?)]),
+        Kind::PointStamped => of_vectors(header(cdr)?, [("", "m", cdr.numbers()?)]),
+        Kind::TransformStamped => return Ok(vec![transform(cdr)?]),
         Kind::TfMessage => {
-            read(data).map(|message: TfMessage| message.transforms.into_iter().map(of_transform).collect())
+            // Each takes more bytes than it says: a count that cannot be ends at the end of the message.
+            let count = cdr.u32()?;
+            return Ok((0..count).map(|_| transform(cdr)).collect::<Result<_, _>>()?);
         }
-        Kind::Odometry => read(data).and_then(|Odometry { header, pose, .. }| one(of_pose(header.stamp(), &pose))),
-        Kind::WrenchStamped => read(data).and_then(|Pair { header, first, second }| {
-            one(of_vectors(header.stamp(), [("force.", "n", first), ("torque.", "nm", second)]))
-        }),
-        Kind::TwistStamped => read(data).and_then(|Pair { header, first, second }| {
-            one(of_vectors(header.stamp(), [("linear.", "", first), ("angular.", "", second)]))
-        }),
-        Kind::JointState => read(data).and_then(|message: JointState| of_joints(&message)).and_then(one),
-        Kind::Float64MultiArray => read(data).and_then(|Float64MultiArray { data, .. }| {
-            let names = (0..data.len()).map(|i| (format!("data[{i}]"), "")).collect();
-            one(Row { stamp: None, names, values: data })
-        }),
-    }
+        Kind::Odometry => {
+            let stamp = header(cdr)?;
+            cdr.text()?;
+            // Covariances and the twist follow.
+            of_pose(stamp, pose(cdr)?)
+        }
+        Kind::WrenchStamped => {
+            of_vectors(header(cdr)?, [("force.", "n", cdr.numbers()?), ("torque.", "nm", cdr.numbers()?)])
+        }
+        Kind::TwistStamped => {
+            of_vectors(header(cdr)?, [("linear.", "", cdr.numbers()?), ("angular.", "", cdr.numbers()?)])
+        }
+        Kind::JointState => {
+            let stamp = header(cdr)?;
+            let count = cdr.u32()?;
+            let names = (0..count).map(|_| cdr.text()).collect::<Result<Vec<_>, _>>()?;
+            let lists = [("position", "rad"), ("velocity", ""), ("effort", "")];
+            let mut row = Row { stamp, names: Vec::new(), values: Vec::new() };
+            for (kind, unit) in lists {
+                let list = cdr.list()?;
+                if list.is_empty() {
+                    continue;
+                }
+                if list.len() != names.len() {
+                    return Err(format!("{} numbers of {kind} for {} joints", list.len(), names.len()));
+                }
+                row.names.extend(names.iter().map(|joint| (format!("{joint}.{kind}"), unit)));
+                row.values.extend(list);
+            }
+            row
+        }
+        Kind::Float64MultiArray => {
+            for _ in 0..cdr.u32()? {
+                cdr.text()?;
+                cdr.u32()?;
+                cdr.u32()?;
+            }
+            cdr.u32()?;
+            let values = cdr.list()?;
+            let names = (0..values.len()).map(|i| (format!("data[{i}]"), "")).collect();
+            Row { stamp: None, names, values }
+        }
+    };
+    Ok(vec![(String::new(), row)])
 }
 
 fn of_vectors<const N: usize>(stamp: Option<i64>, vectors: [(&str, &'static str, Vector); N]) -> Row {
@@ -187,31 +161,11 @@ fn of_vectors<const N: usize>(stamp: Option<i64>, vectors: [(&str, &'static str,
     row
 }
 
-fn of_pose(stamp: Option<i64>, pose: &Pose) -> Row {
-    let mut row = of_vectors(stamp, [("", "m", pose.position)]);
-    for (name, value) in ["qx", "qy", "qz", "qw"].into_iter().zip(pose.orientation) {
+fn of_pose(stamp: Option<i64>, (position, orientation): Pose) -> Row {
+    let mut row = of_vectors(stamp, [("", "m", position)]);
+    for (name, value) in ["qx", "qy", "qz", "qw"].into_iter().zip(orientation) {
         row.names.push((name.into(), ""));
         row.values.push(value);
     }
     row
-}
-
-fn of_transform(message: TransformStamped) -> (String, Row) {
-    (message.child_frame_id, of_pose(message.header.stamp(), &message.transform))
-}
-
-fn of_joints(message: &JointState) -> Result<Row, String> {
-    let JointState { header, name, position, velocity, effort } = message;
-    let mut row = Row { stamp: header.stamp(), names: Vec::new(), values: Vec::new() };
-    for (kind, unit, list) in [("position", "rad", position), ("velocity", "", velocity), ("effort", "", effort)] {
-        if list.is_empty() {
-            continue;
-        }
-        if list.len() != name.len() {
-            return Err(format!("{} numbers of {kind} for {} joints", list.len(), name.len()));
-        }
-        row.names.extend(name.iter().map(|joint| (format!("{joint}.{kind}"), unit)));
-        row.values.extend(list);
-    }
-    Ok(row)
 }
