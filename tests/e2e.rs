@@ -22,6 +22,7 @@ mod plot;
 mod process;
 mod random_tasks;
 mod recover;
+mod report;
 mod reproduce;
 mod resume;
 mod robustness;
