@@ -23,6 +23,7 @@ mod process;
 mod random_tasks;
 mod recordings;
 mod recover;
+mod report;
 mod reproduce;
 mod resume;
 mod robustness;

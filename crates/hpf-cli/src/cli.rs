@@ -3,6 +3,7 @@
 pub mod imitate;
 pub mod init;
 pub mod numbers;
+pub mod report;
 
 use std::path::PathBuf;
 
@@ -97,7 +98,7 @@ pub struct Common {
     #[arg(long, global = true, value_name = "N", value_parser = whole(1..=1024_u16))]
     pub threads: Option<u16>,
     /// Where results go: a directory for learn, run, plot, manual [default: runs/NAME, none, RUN/plots, man]; a file for
-    /// export, init, schema, completions, recover [default: see their help], or - for stdout
+    /// export, report, init, schema, completions, recover [default: see their help], or - for stdout
     #[arg(long, global = true, value_name = "PATH")]
     pub out: Option<PathBuf>,
     /// Replace existing results
@@ -140,6 +141,9 @@ Examples:
     /// Draw the figures of a run again, or of several together
     #[command(after_help = PLOT_EXAMPLES)]
     Plot(Plot),
+    /// Write a page that shows runs and lets them be pushed and learned again
+    #[command(after_help = report::HELP)]
+    Report(report::Report),
     /// Check a task or policy and show what it holds; a policy with its certificates
     #[command(after_help = "\
 Examples:
@@ -237,6 +241,9 @@ pub struct Learn {
     /// Go on with a run that was killed or interrupted, to the same results as if it had not been
     #[arg(long, value_name = "RUN", conflicts_with = "task")]
     pub resume: Option<PathBuf>,
+    /// Write report.html with the run: a page to look at and touch, see `hpf report`
+    #[arg(long)]
+    pub report: bool,
 }
 
 /// `hpf run`

@@ -11,6 +11,7 @@ mod learn;
 mod manual;
 mod plot;
 mod recover;
+mod report;
 mod reproduce;
 mod schema;
 mod simulate;
@@ -35,6 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Command::Run(options) => simulate::simulate(options, common),
         Command::Imitate(options) => imitate::imitate(options, common),
         Command::Plot(options) => plot::plot(options, common),
+        Command::Report(options) => report::report(options, common),
         Command::Check(options) => check::check(options, common),
         Command::Export(options) => export::export(options, common),
         Command::Sweep(options) => sweep::sweep(options, common),

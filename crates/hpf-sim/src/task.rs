@@ -8,6 +8,7 @@ mod basis;
 mod keys;
 mod learning;
 mod mistakes;
+mod outline;
 mod per_axis;
 mod process;
 mod reading;
@@ -169,7 +170,7 @@ pub struct Phase {
 
 impl Default for Phase {
     fn default() -> Self {
-        Self { decay: 100.0_f64.ln() }
+        Self { decay: libm::log(100.0) }
     }
 }
 

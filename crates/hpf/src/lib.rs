@@ -19,6 +19,7 @@ pub mod nodes;
 pub mod outside;
 pub mod overrides;
 pub mod packed;
+pub mod page;
 pub mod paper;
 pub mod process;
 pub mod readers;

@@ -1,16 +1,17 @@
 //! `hpf learn`: a task in, a run directory out; or an interrupted run, resumed.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hpf::directory::Unfinished;
 use hpf::failure::Failure;
-use hpf::files::{in_file, read_text};
+use hpf::files::{self, in_file, read_text};
 use hpf::job::{Finished, Job};
 use hpf::log;
 use hpf::sinks::combined;
 use hpf::words::typed;
 use serde_json::Value;
 
+use super::report;
 use crate::cli::{Common, Learn};
 use crate::outcome::Outcome;
 use crate::progress::{Meter, OnTerminal};
@@ -20,7 +21,7 @@ use crate::terminal::{say, tell};
 /// Runs `hpf learn`.
 pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     if let Some(run) = options.resume.as_ref().filter(|_| options.task.is_none())
-        && let Some(outcome) = name_whole(run, common)?
+        && let Some(outcome) = name_whole(run, options.report, common)?
     {
         return Ok(outcome);
     }
@@ -38,7 +39,13 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     let terminal = OnTerminal::<Meter>::new(common.quiet);
     let finished = job.learn(&terminal);
     terminal.finish();
-    let Finished { learned, summary, failures, files, place } = finished?;
+    let Finished { learned, summary, mut failures, mut files, place } = finished?;
+    if options.report {
+        match write_report(&place) {
+            Ok(()) => files.push(report::NAME.into()),
+            Err(failure) => failures.push(failure),
+        }
+    }
 
     let place = place.display().to_string();
     let named = typed(&place);
@@ -72,8 +79,14 @@ pub fn learn(options: &Learn, common: &Common) -> Result<Outcome, Failure> {
     }
 }
 
+/// Writes the page of the run `place` into it.
+fn write_report(place: &Path) -> Result<(), Failure> {
+    let html = report::of(&[place.to_owned()])?;
+    files::write(&place.join(report::NAME), html)
+}
+
 /// Gives a run its name that was killed when nothing else was left to do, and shows its result; `None` for others.
-fn name_whole(run: &Path, common: &Common) -> Result<Option<Outcome>, Failure> {
+fn name_whole(run: &Path, with_report: bool, common: &Common) -> Result<Option<Outcome>, Failure> {
     let refused = [("--seed", common.seed.is_some()), ("--out", common.out.is_some())];
     if let Some((option, _)) = refused.iter().find(|(_, is_given)| *is_given) {
         let message = format!("{option} does not go with --resume: a run goes on as it began, where it began");
@@ -86,6 +99,11 @@ fn name_whole(run: &Path, common: &Common) -> Result<Option<Outcome>, Failure> {
     let path = folder.path("summary.json");
     let summary: Value = serde_json::from_str(&read_text(&path)?).map_err(in_file(&path))?;
     folder.finish(false)?;
+    if with_report {
+        let is_partial = run.extension().is_some_and(|extension| extension == "partial");
+        let place: PathBuf = if is_partial { run.with_extension("") } else { run.to_owned() };
+        write_report(&place)?;
+    }
     say(&if common.json { format!("{summary:#}\n") } else { render::summary(&summary) })?;
     let is_missed = summary["metrics"].as_array().is_some_and(|all| all.iter().any(|metric| metric["pass"] == false));
     Ok(Some(if is_missed { Outcome::Missed } else { Outcome::Done }))

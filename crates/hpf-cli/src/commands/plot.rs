@@ -61,7 +61,7 @@ fn folder(runs: &[PathBuf], common: &Common) -> Result<PathBuf, Failure> {
 }
 
 /// What each run is called in figures: the last parts of its path that distinguish it from the others.
-fn names(paths: &[PathBuf]) -> Vec<String> {
+pub(super) fn names(paths: &[PathBuf]) -> Vec<String> {
     let ending = |path: &Path, parts: usize| {
         let all: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
         all[all.len().saturating_sub(parts)..].join("/")

@@ -65,7 +65,7 @@ impl Default for Outline {
             duration: DurationFrom::Mean,
             rate: None,
             basis: 20,
-            decay: 100.0_f64.ln(),
+            decay: libm::log(100.0),
             alpha: hpf_core::movement::DEFAULT_ALPHA,
             scaling: None,
             stiffness: [100.0, 30.0, 400.0],

@@ -76,7 +76,7 @@ impl AxisEnvironment {
         let best = self.scores.iter().copied().fold(f64::INFINITY, f64::min);
         let learned = fittings.par_iter().zip(&self.fits).zip(&self.scores).map(|((fitting, before), score)| {
             let before = before.as_ref();
-            let predicted = before.map(|before| fitting.chi(&before.theta, &newest, noise).max(1.0).ln());
+            let predicted = before.map(|before| libm::log(fitting.chi(&before.theta, &newest, noise).max(1.0)));
             if let Some(before) = before
                 && count > TOLD_APART
                 && score - best > HOPELESS
@@ -99,8 +99,8 @@ impl AxisEnvironment {
         let score = |f: usize| {
             let predictions = self.predicted[f].iter().rev().enumerate();
             let predicted: f64 = predictions.map(|(age, log)| FORGETTING.powi(age as i32) * log).sum();
-            let fit = self.fits[f].as_ref().map_or(f64::INFINITY, |fitted| fitted.chi.max(1.0).ln());
-            fit + predicted + fittings[f].count() as f64 * numbers.ln() / numbers
+            let fit = self.fits[f].as_ref().map_or(f64::INFINITY, |fitted| libm::log(fitted.chi.max(1.0)));
+            fit + predicted + fittings[f].count() as f64 * libm::log(numbers) / numbers
         };
         let scores: Vec<f64> = (0..fittings.len()).map(score).collect();
         self.chosen = (0..fittings.len()).min_by(|&a, &b| scores[a].total_cmp(&scores[b])).unwrap_or(0);

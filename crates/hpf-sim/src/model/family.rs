@@ -62,5 +62,5 @@ pub(super) fn likely_force(facts: &Facts) -> Likely {
 
 /// kappa of every family.
 pub(super) fn likely_stiffness(facts: &Facts) -> Likely {
-    Likely { mean: (10.0 * facts.stiffness).ln(), level: 5.0, walk: 1.0 }
+    Likely { mean: libm::log(10.0 * facts.stiffness), level: 5.0, walk: 1.0 }
 }

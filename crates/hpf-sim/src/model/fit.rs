@@ -130,7 +130,7 @@ impl Fitting {
         let instants = self.instants();
         let load = |h: usize| {
             let [force, kappa, place] = [0, 1, 2].map(|p: usize| self.splines[p].at(h, parts[p]));
-            let stiffness = if self.splines[1].count > 0 { kappa.exp() } else { 0.0 };
+            let stiffness = if self.splines[1].count > 0 { libm::exp(kappa) } else { 0.0 };
             Load { force, stiffness, place }
         };
         Loads { law: self.law, dt: self.dt, start: theta[0], loads: (0..instants).map(load).collect() }
@@ -200,7 +200,7 @@ impl Fitting {
             rest.sort_by(f64::total_cmp);
             b.fill(rest[rest.len() / 2]);
         }
-        let kappa = if stiffness > 0.0 { stiffness.ln() } else { 0.0 };
+        let kappa = if stiffness > 0.0 { libm::log(stiffness) } else { 0.0 };
         let constant = |p: usize, value: f64| vec![value; self.splines[p].count];
         [vec![start], b, constant(1, kappa), constant(2, place)].concat()
     }
