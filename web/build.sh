@@ -11,6 +11,6 @@ install_target wasm32-unknown-unknown
 cargo_home="${CARGO_HOME:-$HOME/.cargo}"
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="-C target-feature=+simd128 \
     --remap-path-prefix=$cargo_home=cargo --remap-path-prefix=$(cd .. && pwd)=hpf"
-cargo build --quiet --release --target wasm32-unknown-unknown -p hpf-web
-cargo run --quiet -p hpf-web-bundle -- \
+cargo build --locked --quiet --release --target wasm32-unknown-unknown -p hpf-web
+cargo run --locked --quiet -p hpf-web-bundle -- \
     "$CARGO_TARGET_DIR/wasm32-unknown-unknown/release/hpf_web.wasm" "$place"
