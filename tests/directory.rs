@@ -75,6 +75,25 @@ fn what_only_looks_like_a_broken_off_run_is_left_alone() {
 }
 
 #[test]
+fn a_finished_run_that_is_called_like_one_under_way_is_left_alone() {
+    let folder = folder();
+    for ending in ["beginning", "partial"] {
+        let (_, stderr) = learn(folder.path(), 2, &["--out", &format!("run.{ending}")]);
+        assert!(stderr.contains(&format!("names that end in .{ending} are those of runs under way")), "{stderr}");
+        learn(folder.path(), 0, &["--out", "other"]);
+        let named = folder.path().join(format!("run.{ending}"));
+        fs::rename(folder.path().join("other"), &named).unwrap();
+        let policy = fs::read(named.join("policy.json")).unwrap();
+        for force in [&[][..], &["--force"]] {
+            let (_, stderr) = learn(folder.path(), 2, &[&["--out", "run"], force].concat());
+            assert!(stderr.contains("holds a finished run: move it"), "{stderr}");
+        }
+        assert_eq!(fs::read(named.join("policy.json")).unwrap(), policy);
+        fs::rename(&named, folder.path().join(ending)).unwrap();
+    }
+}
+
+#[test]
 fn two_runs_do_not_share_a_place() {
     let folder = folder();
     let long = ["learn", &task("cantilever.toml"), "--out", "run", "--quiet", "--set", "learning.updates=1000000"];

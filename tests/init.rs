@@ -86,6 +86,16 @@ fn a_task_of_a_process_comes_with_its_program_and_names_it() {
 }
 
 #[test]
+fn a_file_name_of_any_signs_leaves_a_task_that_is_valid() {
+    let folder = folder();
+    for name in ["x\nduration = 99\n.toml", "a b.toml"] {
+        expect(0, folder.path(), &["init", "reach", "--out", name]);
+        expect(0, folder.path(), &["check", name]);
+    }
+    assert!(read(folder.path().join("a b.toml")).contains("hpf learn 'a b.toml'"));
+}
+
+#[test]
 fn the_schema_is_json_and_knows_the_keys_of_the_shipped_tasks() {
     let folder = folder();
     let (stdout, _) = expect(0, folder.path(), &["schema"]);

@@ -97,7 +97,6 @@ fn numbers_that_cannot_be_are_refused_with_what_is_allowed() {
         (&["imitate", "d.csv", "--alpha", "nan"], "it must be a number"),
         (&["imitate", "d.csv", "--decay", "inf"], "it must be a number"),
         (&["run", "policy.json", "--rate", "nan"], "it must be a number"),
-        (&["check", "policy.json", "--lag", "1e999"], "it must be a number"),
         (&["sweep", "t.toml", "--seeds", "1001"], "a whole number from 1 to 1000"),
         (&["benchmark", "--motions", "10"], "a whole number from 100 to 10000000"),
     ];

@@ -216,6 +216,30 @@ fn a_request_that_is_refused_is_named_with_its_time_and_its_reason() {
 }
 
 #[test]
+fn a_press_on_nothing_is_refused() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    for settings in ["press = 5.0\n", "press = [5.0]\ncompliance = \"rigid\"\n"] {
+        std::fs::write(folder.path().join("settings.toml"), settings).unwrap();
+        let args = ["run", "runs/reach", "--controller", "--settings", "settings.toml", "--rate", "1000"];
+        let (_, stderr) = expect(2, folder.path(), &args);
+        assert!(stderr.contains("`press` presses on nothing"), "{stderr}");
+    }
+}
+
+#[test]
+fn a_limit_that_slows_the_path_is_named() {
+    let folder = folder();
+    expect(0, folder.path(), &["learn", &task("reach.toml"), "--quiet"]);
+    for (settings, is_slow) in [("[limits]\nvelocity = 0.1\n", true), ("", false)] {
+        std::fs::write(folder.path().join("settings.toml"), settings).unwrap();
+        let args = ["run", "runs/reach", "--controller", "--settings", "settings.toml", "--rate", "1000"];
+        let stdout = String::from_utf8(crate::support::hpf(folder.path(), &args).stdout).unwrap();
+        assert_eq!(stdout.contains("  path           slower than asked for in"), is_slow, "{stdout}");
+    }
+}
+
+#[test]
 fn a_force_away_from_the_contact_is_warned_of() {
     let folder = folder();
     expect(0, folder.path(), &["learn", &task("wall.toml"), "--quiet", "--set", "accept={}"]);

@@ -38,7 +38,7 @@ pub fn pose<T: Real + PartialOrd>(input: &[T; IN], dt: T, out: &mut [T; OUT]) ->
     let gain = MatrixGain::new(T::ONE, T::of(30.0), lists)?;
     let basis = Basis::equally_spaced(T::of(4.6), T::of(0.6), [T::ZERO; N], [T::ZERO; N])?;
     let tank = EnergyTank::new(T::ONE, T::ZERO, T::ONE, T::of(100.0))?;
-    let mut energy = tank.capacity();
+    let mut energy = tank.full();
     let wanted = gain.at(&basis, T::of(0.5));
     let stiffness = tank.stiffness_matrix(&mut energy, &Symmetric::isotropic(T::of(5.0)), &wanted, offset, dt);
     let damping = Symmetric::isotropic(T::of(2.0));
@@ -59,7 +59,7 @@ pub fn pose<T: Real + PartialOrd>(input: &[T; IN], dt: T, out: &mut [T; OUT]) ->
     let movement = Movement::new(T::ZERO, T::ONE, T::of(25.0), T::ONE, [tx, ty, tz, vx, vy])?;
     let rhythm = RhythmicMovement::new(Rhythm::new(T::of(1.5))?, periodic, movement)?;
     let (mut turn, mut state) = (Turn::START, rhythm.limit_cycle(100));
-    rhythm.step(&mut turn, &mut state, reference_power(capped, torque, velocity), dt + energy);
+    rhythm.step(&mut turn, &mut state, reference_power(capped, torque, velocity), dt + energy.level());
 
     let Wxyz { w, x, y, z } = command.orientation.numbers();
     let [wx, wy, wz] = command.velocity;

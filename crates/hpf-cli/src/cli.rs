@@ -293,28 +293,28 @@ pub struct Check {
     #[arg(long, value_name = "KEY.PATH=VALUE")]
     pub set: Vec<String>,
     /// Control rate of a policy [Hz] [default: that of task.toml beside it, else 1000]
-    #[arg(long, value_name = "HZ", value_parser = number)]
+    #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
     /// Age of the measured force [s] [default: sensor.delay of that task, else one sample]
-    #[arg(long, value_name = "S", value_parser = number)]
+    #[arg(long, value_name = "S")]
     pub delay: Option<f64>,
     /// Time constant with which the robot follows its command [s] [default: actuator.lag of that task, else 0]
-    #[arg(long, value_name = "S", value_parser = number)]
+    #[arg(long, value_name = "S")]
     pub lag: Option<f64>,
     /// Cut-off of the force filter of the controller [Hz] [default: no filter]
-    #[arg(long, value_name = "HZ", value_parser = number)]
+    #[arg(long, value_name = "HZ")]
     pub cutoff: Option<f64>,
     /// Mass of the tool behind the force sensor [kg or kg m^2] [default: 0]
-    #[arg(long, value_name = "KG", value_parser = number)]
+    #[arg(long, value_name = "KG")]
     pub tool_mass: Option<f64>,
     /// Mass of what the tool touches [kg or kg m^2] [default: 0]
-    #[arg(long, value_name = "KG", value_parser = number)]
+    #[arg(long, value_name = "KG")]
     pub contact_mass: Option<f64>,
     /// Damping of what the tool touches [N s/m or N m s/rad] [default: 0]
-    #[arg(long, value_name = "N_S_PER_M", value_parser = number)]
+    #[arg(long, value_name = "N_S_PER_M")]
     pub contact_damping: Option<f64>,
     /// Largest force of the environment [N or N m] [default: 10]
-    #[arg(long, value_name = "N", value_parser = number)]
+    #[arg(long, value_name = "N")]
     pub load: Option<f64>,
 }
 

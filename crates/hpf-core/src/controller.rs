@@ -42,7 +42,7 @@ use faults::Debts;
 use crate::admittance::{Inertial, OffsetMotion};
 use crate::conditioning::{ForceState, TareWindow};
 use crate::limits::Hits;
-use crate::passivity::PortAxis;
+use crate::passivity::{PortAxis, Stored};
 use crate::reference::{Reference, Stride};
 use crate::{ConfigError, HybridPrimitive, Profile, Real, error};
 
@@ -91,9 +91,9 @@ pub struct Controller<T, S, const D: usize> {
     /// Rate at which time has run along the path in the last step.
     rate: T,
     /// Energy in the tank [J]; zero without one.
-    energy: T,
+    energy: Stored<T>,
     /// Energy at the physical port [J]; zero without one.
-    port_energy: T,
+    port_energy: Stored<T>,
     axes: [AxisState<T>; D],
     force: ForceState<T, D>,
     /// The last good reading [N].
@@ -187,8 +187,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             phase: skill.phase().start(),
             phase_remainder: T::ZERO,
             rate: T::ZERO,
-            energy: T::ZERO,
-            port_energy: T::ZERO,
+            energy: Stored::new(T::ZERO),
+            port_energy: Stored::new(T::ZERO),
             axes: laws.map(axis),
             force: ForceState::default(),
             good_force: [T::ZERO; D],
@@ -224,8 +224,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             axes: self.axes.each_ref().map(AxisState::command),
             phase: self.phase,
             rate: self.rate,
-            energy: self.energy,
-            port_energy: self.port_energy,
+            energy: self.energy.level(),
+            port_energy: self.port_energy.level(),
             mode: self.mode,
             status: self.status,
         }
@@ -263,13 +263,16 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
                     state.law = law;
                 }
                 // What a smaller tank cannot hold is gone; without a tank there are no books, and no debt.
-                let most = settings.tank.map_or(T::ZERO, |tank| tank.capacity());
-                self.energy = settings.tank.map_or(T::ZERO, |_| self.energy.at_most(most));
+                let kept = |energy: Stored<T>, is_there: bool| match settings.tank.filter(|_| is_there) {
+                    Some(tank) => energy.capped(tank.capacity()),
+                    None => Stored::new(T::ZERO),
+                };
+                self.energy = kept(self.energy, true);
                 // A port that is added later starts empty, like a tank.
                 if self.settings.port.is_none() {
                     self.open_port();
                 }
-                self.port_energy = settings.port.map_or(T::ZERO, |_| self.port_energy.at_most(most));
+                self.port_energy = kept(self.port_energy, settings.port.is_some());
                 self.settings = settings;
                 self.cache.dt = T::ZERO;
                 self.tare = TareWindow::default();
@@ -325,7 +328,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         true
     }
 
-    /// Puts everything but mode and counters to the start of the movement, at rest at `position`.
+    /// Puts everything to the start of the movement, at rest at `position`, but for mode, counters, and what is known of the
+    /// force: bias, filter and last good reading stay.
     fn place_at(&mut self, position: [T; D]) -> Result<(), ConfigError> {
         for (axis, &position) in self.settings.axes.iter().zip(&position) {
             axis.limits.admit(position, T::ZERO)?;
@@ -347,8 +351,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         }
         self.phase = self.skill.phase().start();
         self.rate = T::ZERO;
-        self.energy = self.settings.tank.map_or(T::ZERO, |tank| tank.capacity());
-        self.port_energy = self.settings.port.map_or(T::ZERO, |_| self.energy);
+        self.energy = Stored::new(self.settings.tank.map_or(T::ZERO, |tank| tank.capacity()));
+        self.port_energy = Stored::new(self.settings.port.map_or(T::ZERO, |_| self.energy.level()));
         self.open_port();
         (self.ended, self.moved, self.phase_remainder) = (false, false, T::ZERO);
         (self.tare, self.debts) = (TareWindow::default(), Debts::UNREAD);

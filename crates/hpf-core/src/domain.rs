@@ -7,11 +7,12 @@
 //! | forcing scale times a weight | at most [`LARGEST_FORCING`] either way | axis unit |
 //! | `alpha` of a movement | [`ALPHA`] | 1 |
 //! | `decay` of the phase | [`DECAY`], in single precision [`DECAY_SINGLE`] | 1 |
+//! | widths of a basis | finite, as is the exponent of every function anywhere in the phase: in single precision that ends the phase family near a decay of 45 | 1 |
 //! | longest step of a controller | [`SHORTEST_STEP`] to [`LONGEST_STEP`] | s |
 //! | ramp of a controller | up to [`LONGEST_RAMP`] | s |
 //! | time for which a bad input is bridged | 0 to [`LONGEST_HOLD`] | s |
 //!
-//! The bounds are those of single precision, and but for the decay the same in double precision: every product of a step
+//! The bounds are those of single precision, and but for decay and widths the same in double precision: every product of a step
 //! stays below 1e38. A constructor refuses what lies outside. What comes in at run
 //! time is brought inside: a force beyond [`LARGEST`] counts as that much.
 //!

@@ -26,12 +26,14 @@ mod certificate;
 mod contact;
 mod matrix;
 mod port;
+mod stored;
 mod tank;
 
 pub use certificate::{contact_stiffness_limit, first_order_fails_at, inertial_decay, largest_offset, switched_energy};
 pub use contact::{Case, Contact, ForceLoop, Load, MOST_DELAY, Sampling, safe_tool_mass};
 pub(crate) use port::PortAxis;
 pub use port::{LONGEST_DELAY, Port};
+pub use stored::Stored;
 pub use tank::EnergyTank;
 
 use crate::Real;

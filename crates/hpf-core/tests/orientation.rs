@@ -309,7 +309,7 @@ fn a_tank_that_counts_the_smaller_work_keeps_its_promise_at_the_tool() {
         (random >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
     };
     for run in 0..100 {
-        let (mut energy, mut stiffness, mut offset) = (tank.capacity(), Symmetric::isotropic(10.0), [0.0; 3]);
+        let (mut energy, mut stiffness, mut offset) = (tank.full(), Symmetric::isotropic(10.0), [0.0; 3]);
         let damping = Symmetric::diagonal([2.0, 1.0, 1.5]);
         let dt = 1e-3 * f64::from(run % 10 + 1);
         let (mut work, mut torque, mut q) = (0.0, [0.0; 3], Quaternion::IDENTITY);

@@ -2,7 +2,7 @@
 
 use hpf_core::admittance::{Inertial, OffsetMotion, step_offset};
 use hpf_core::passivity::{
-    EnergyTank, contact_stiffness_limit, first_order_fails_at, inertial_decay, kinetic_energy, largest_offset,
+    EnergyTank, Stored, contact_stiffness_limit, first_order_fails_at, inertial_decay, kinetic_energy, largest_offset,
     spring_energy, switched_energy,
 };
 use proptest::collection::vec;
@@ -17,7 +17,7 @@ const MASS: f64 = 0.5;
 struct Tool {
     law: Option<Inertial<f64>>,
     tank: Option<EnergyTank<f64>>,
-    energy: f64,
+    energy: Stored<f64>,
     stiffness: f64,
     motion: OffsetMotion<f64>,
     work: f64,
@@ -29,7 +29,7 @@ impl Tool {
         Self {
             law: inertial.then(|| Inertial::new(MASS, 400.0, 100.0, DT).unwrap()),
             tank,
-            energy: tank.map_or(0.0, |tank| tank.capacity()),
+            energy: Stored::new(tank.map_or(0.0, |tank| tank.capacity())),
             stiffness: 30.0,
             motion: OffsetMotion { offset: 0.0, velocity: 0.0 },
             work: 0.0,
@@ -133,7 +133,8 @@ proptest! {
                 // Sums of 10^4 terms of up to `put_in` joules, each rounded at 1e-16.
                 let slack = 1e-12 * (1.0 + put_in);
                 prop_assert!(tool.work >= -(capacity - reserve) - slack, "{} J", tool.work);
-                prop_assert!(tool.energy >= reserve.min(capacity) - slack && tool.energy <= capacity);
+                let energy = tool.energy.level();
+                prop_assert!(energy >= reserve.min(capacity) - slack && energy <= capacity);
             }
         }
     }
@@ -297,5 +298,21 @@ proptest! {
             offset = step_offset(offset, stiffness, damping, force, DT);
             prop_assert!(offset.abs() <= largest * (1.0 + 1e-12));
         }
+    }
+}
+
+/// Each step spends less than the last digit of the energy that is left.
+#[test]
+fn what_a_slow_motion_spends_is_booked_in_single_precision_too() {
+    let books = |capacity: f32, steps: u32| {
+        let tank = EnergyTank::new(capacity, 0.0, 1.0, 100.0).unwrap();
+        let mut energy = tank.full();
+        let spend = 0.9 * f64::from(capacity) / f64::from(steps);
+        (0..steps).for_each(|_| tank.book(&mut energy, -spend as f32));
+        f64::from(capacity - energy.level()) / (0.9 * f64::from(capacity))
+    };
+    for (capacity, steps) in [(4.1, 1000), (4.1, 20_000_000), (0.5, 20_000_000), (1e6, 20_000_000)] {
+        let share = books(capacity, steps);
+        assert!((share - 1.0).abs() < 1e-5, "{share} of what was spent is booked, {capacity} J in {steps} steps");
     }
 }

@@ -172,6 +172,21 @@ fn it_is_refused_after_steps_of_no_time() {
     }
 }
 
+/// Nor do steps longer than the longest: nobody knows what the force did meanwhile.
+#[test]
+fn it_is_refused_after_steps_that_are_too_long() {
+    let mut arm = arm(None);
+    read(&mut arm, 0.7, |_| 0.0);
+    arm.dt = 0.5;
+    arm.step();
+    assert!(arm.controller.output().status.long_time && !tare(&mut arm));
+    (0..60).for_each(|_| drop(arm.step()));
+    assert!(!tare(&mut arm), "sixty long steps, and not one in order");
+    arm.dt = DT;
+    read(&mut arm, 0.51, |_| 0.0);
+    assert!(tare(&mut arm));
+}
+
 /// The reading that comes with the request is one of the force that stands still.
 #[test]
 fn it_is_refused_beside_a_reading_that_does_not_fit() {

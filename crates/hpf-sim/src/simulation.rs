@@ -80,6 +80,9 @@ pub enum SimulationError {
     /// The controller refuses the settings, or the skill with them.
     #[error("the controller refuses: {0}")]
     Controller(ConfigError),
+    /// Nothing of the settings presses.
+    #[error("`press` presses on nothing: no axis presses by `compliance`, or has a contact with a force in the task")]
+    PressesNothing,
     /// The policy takes another time.
     #[error("the policy takes {policy} s, the task {task} s")]
     Duration {

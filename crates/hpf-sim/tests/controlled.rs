@@ -264,3 +264,31 @@ fn settings_that_are_read_are_settings_that_a_controller_takes() {
     }
     assert!(taken > 100 && refused > 100, "{taken} {refused}");
 }
+
+#[test]
+fn one_press_for_all_axes_is_for_those_with_something_to_press_on() {
+    let text = "name = \"two\"\nduration = 1.0\nrate = 1000.0\n[[axis]]\nname = \"x\"\nstart = 0.0\ngoal = 0.1\n\
+                [[axis]]\nname = \"y\"\nstart = 0.0\ngoal = 0.2\n[movement]\nbasis = 10\n\
+                [stiffness]\nbasis = 10\ninitial = 100.0\nmin = 30.0\nmax = 400.0\n\
+                [damping]\nbasis = 10\ninitial = 50.0\nmin = 10.0\nmax = 100.0\n\
+                [contact]\nkind = \"wall\"\naxis = \"x\"\nposition = 0.1\nstiffness = 1000.0\nforce = 5.0\n\
+                [cost]\ngoal = 1.0\n";
+    let task = Task::parse(text).unwrap();
+    let policy = Policy::initial(&task).unwrap();
+    let simulation = Simulation::new(&task, &policy).unwrap();
+    let motion = |settings: &str| {
+        let settings = Settings::parse(settings, &task.axis).unwrap();
+        simulation
+            .controlled(&policy, &settings)
+            .unwrap()
+            .0
+            .axes
+            .into_iter()
+            .map(|axis| axis.position)
+            .collect::<Vec<_>>()
+    };
+    let named = motion("compliance = [\"press\", \"compliant\"]\npress = [5.0, 0.0]\n");
+    assert_eq!(motion("press = 5.0\n"), named);
+    assert_eq!(motion("press = [5.0, 0.0]\n"), named);
+    assert_ne!(motion("compliance = \"press\"\npress = 5.0\n"), named);
+}

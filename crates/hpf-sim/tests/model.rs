@@ -134,6 +134,12 @@ fn records_differ_by_their_noise_alone_and_policies_are_measured_without_it() {
 
 fn with_safety(limits: &str) -> Result<Task, hpf_sim::Mistakes> {
     let text = VIA_POINT.replace("method = \"pi2\"", "method = \"model\"");
+    let inertial = text.replace("[cost]", "[admittance]\norder = 2\nmass = 1.0\n\n[cost]");
+    let drawn = text.replacen("amplitude = 10.0", "amplitude = { uniform = [5.0, 10.0] }", 1);
+    for (changed, wanted) in [(inertial, "a law of order 1"), (drawn, "a task without anything drawn at random")] {
+        let found = Task::parse(&changed).unwrap_err();
+        assert!(found.iter().any(|one| one.message == format!("`model` learns {wanted} only")), "{found:?}");
+    }
     Task::parse(&format!("{text}\n[learning.safety]\n{limits}\n"))
 }
 

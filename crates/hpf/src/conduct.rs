@@ -5,7 +5,7 @@ use core::fmt::Write as _;
 use hpf_core::controller::{Mode, Status};
 use hpf_core::limits::Hits;
 use hpf_sim::robot::{Conduct, Refusal, Settings, Tally, TimedRequest};
-use hpf_sim::task::{Axis, Task};
+use hpf_sim::task::{Axis, Task, Unit};
 use serde_json::{Value, json};
 
 use crate::words::number;
@@ -69,7 +69,8 @@ impl Controlled {
     pub fn csv(&self, task: &Task, time: &[f64]) -> String {
         let columns = |axis: &Axis| {
             let (name, unit) = (&axis.name, axis.unit.symbol());
-            format!("{name}_limits,{name}_command_{unit},{name}_model_force_n")
+            let force = if axis.unit == Unit::Rad { "torque_nm" } else { "force_n" };
+            format!("{name}_limits,{name}_command_{unit},{name}_model_{force}")
         };
         let columns: Vec<String> = task.axis.iter().map(columns).collect();
         let mut text = format!("time_s,mode,rate,energy_j,port_energy_j,events,{}\n", columns.join(","));
@@ -97,6 +98,25 @@ impl Controlled {
     /// When the movement of the motion that is shown was at its end [s].
     fn end(&self, time: &[f64]) -> Option<f64> {
         self.conduct.end().and_then(|step| time.get(step + 1)).copied()
+    }
+
+    /// In how many steps the path was slower than asked for in the motion that is shown, and its least rate.
+    fn slowed(&self, time: &[f64]) -> Option<(usize, f64)> {
+        let asked = |time: f64| {
+            let rates = self.settings.request.iter().filter_map(|request| match request {
+                TimedRequest::Rate(at) if at.time <= time => Some((at.time, at.rate)),
+                _ => None,
+            });
+            rates.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(1.0, |(_, rate)| rate)
+        };
+        let conduct = &self.conduct;
+        let steps = conduct.rate.iter().zip(&conduct.mode).zip(&conduct.status).zip(time);
+        let moving = steps.take_while(|(((_, mode), status), _)| **mode == Mode::Idle || !status.ended);
+        let slow: Vec<f64> = moving
+            .filter(|(((rate, mode), _), time)| **mode == Mode::Run && **rate < asked(**time) - 1e-9)
+            .map(|(((rate, _), _), _)| *rate)
+            .collect();
+        Some((slow.len(), slow.iter().copied().reduce(f64::min)?))
     }
 
     /// When a request was made [s].
@@ -146,6 +166,14 @@ impl Controlled {
             "  limits         {}",
             if hits.is_empty() { "none was hit".into() } else { hits.join(", ") }
         );
+        if let Some((steps, least)) = self.slowed(time) {
+            let _ = writeln!(
+                text,
+                "  path           slower than asked for in {steps} of {} steps, at rate {} at least: by a ramp, a limit or the tank",
+                self.conduct.rate.len(),
+                number(least)
+            );
+        }
         if let Some(tank) = &self.settings.tank {
             let _ = writeln!(
                 text,

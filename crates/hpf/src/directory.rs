@@ -18,6 +18,9 @@ pub const CHECKPOINT: &str = "checkpoint";
 /// The result of a run: written last, so that a directory without a checkpoint that has it is whole.
 const SUMMARY: &str = "summary.json";
 
+/// What is added to the name of a run directory that is not whole yet: before it can be resumed, and from then on.
+const WORKING: [&str; 2] = ["beginning", "partial"];
+
 /// Folders inside a run directory.
 const FOLDERS: [&str; 2] = ["plots", "snapshots"];
 
@@ -44,6 +47,13 @@ impl Unfinished {
         let target = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
         if target.file_name().is_none() {
             return Err(Failure::Input(format!("{}: this cannot name a run directory", target.display())));
+        }
+        if let Some(ending) = target.extension().filter(|ending| WORKING.iter().any(|one| ending == one)) {
+            return Err(Failure::Input(format!(
+                "{}: names that end in .{} are those of runs under way; pass another --out",
+                target.display(),
+                ending.display()
+            )));
         }
         if exists(&target) && !is_empty_directory(&target) {
             if !force {
@@ -271,6 +281,10 @@ fn discard(partial: &Path, force: bool) -> Result<(), Failure> {
     let lock = nodes::open(&partial.join(LOCK));
     if lock.as_ref().is_ok_and(|lock| lock.try_lock().is_err()) {
         return refuse("belongs to a run that is going on; wait for it, or pass another --out");
+    }
+    // What is whole and not locked is somebody's run, whatever it is called.
+    if lock.is_err() && partial.join(SUMMARY).is_file() && !partial.join(CHECKPOINT).is_file() {
+        return refuse("holds a finished run: move it, or pass another --out");
     }
     let is_ours = lock.is_ok() || partial.join("task.toml").is_file() || is_empty_directory(partial);
     if !is_ours {

@@ -323,7 +323,12 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         assert!(!now.status.tare_ready || now.mode == Mode::Idle && h > 0.0);
         match good_reading(input, settings).filter(|_| now.mode == Mode::Idle && h > 0.0) {
             None => self.stood.clear(),
-            Some(force) => self.stood.push_front((force, h)),
+            Some(force) => {
+                if now.status.long_time {
+                    self.stood.clear();
+                }
+                self.stood.push_front((force, h));
+            }
         }
     }
 

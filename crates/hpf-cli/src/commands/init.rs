@@ -9,6 +9,7 @@ use crate::cli::Common;
 use crate::cli::init::{Init, Kind};
 use crate::deliver::deliver;
 use crate::outcome::Outcome;
+use hpf::escape::line;
 use hpf::failure::Failure;
 use hpf::files::{place, refuse_occupied};
 use hpf::words::typed;
@@ -94,9 +95,9 @@ fn program_beside(target: &Path, force: bool) -> Result<PathBuf, Failure> {
 fn named_after(target: &Path, kind: Kind) -> String {
     let (folder, shipped, text) = kind.shipped();
     let name = target.file_stem().and_then(|stem| stem.to_str()).filter(|name| is_plain(name)).unwrap_or(kind.name());
-    let place = if target == Path::new("-") { PathBuf::from("TASK") } else { target.to_owned() };
+    let place = if target == Path::new("-") { "TASK".into() } else { typed(target.display()) };
     text.replace(&format!("\nname = \"{shipped}\""), &format!("\nname = \"{name}\""))
-        .replace(&format!("hpf learn {folder}/{shipped}.toml"), &format!("hpf learn {}", place.display()))
+        .replace(&format!("hpf learn {folder}/{shipped}.toml"), &format!("hpf learn {}", line(&place)))
 }
 
 /// Whether a task may have this name and needs no quotes anywhere.

@@ -41,15 +41,15 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         for (((state, position), force), &bias) in self.axes.iter_mut().zip(measured).zip(forces).zip(&port.force_bias)
         {
             if self.port_known {
-                *energy += state.port.read(position, force, delay, bias);
+                energy.add(state.port.read(position, force, delay, bias));
             } else {
                 state.port = PortAxis::at_rest(position, force);
             }
         }
         self.port_known = true;
-        *energy = energy.at_most(tank.capacity());
+        *energy = energy.capped(tank.capacity());
         let share = T::of(1.0 / D as f64);
-        let (all, left) = (*energy * share, tank.available(*energy) * share);
+        let (all, left) = (energy.level() * share, tank.available(energy.level()) * share);
         for ((state, settings), &bias) in self.axes.iter_mut().zip(&self.settings.axes).zip(&port.force_bias) {
             state.port.confine(all, left, settings.trip_force, delay, bias);
         }

@@ -29,6 +29,8 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
         self.debts.clock.owe(bad, steps, steps + T::ONE, still);
         self.debts.any = true;
         if long {
+            // Nobody knows what the force did meanwhile.
+            self.tare = TareWindow::default();
             self.status.long_time = true;
             count(&mut self.counters.long_time);
             return Some(longest);

@@ -55,7 +55,7 @@ pub struct Timing<T> {
     /// Longest step; a longer dt is cut to it [s]. 1 us to 1 s.
     pub longest_step: T,
     /// Time for the rate to go from 0 to 1 or back [s], under way: pause, resume, slower, faster; at most 10 s: by then the
-    /// path of a stop stands, and the offset dies away. A start takes none. With 0 the path stops and goes at once; what the limits of acceleration cut off
+    /// path of a stop stands (in single precision an eighth later, where it takes millions of steps), and the offset dies away. A start takes none. With 0 the path stops and goes at once; what the limits of acceleration cut off
     /// that is an offset from the path.
     pub ramp: T,
     /// How long a bad force, measured position or rate may be bridged [s]; see [`faults`](super::faults). At most 1 s.

@@ -102,7 +102,7 @@ impl<T: Real + PartialOrd, S: AsRef<[T]>, const D: usize> Controller<T, S, D> {
             cost = cost - force * distance;
         }
         // What is left goes down no faster than it would by the ramp: a path that has to slow down has the time to.
-        let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.energy));
+        let mut left = tank.map_or(T::ZERO, |tank| tank.available(self.energy.level()));
         if tank.is_some() {
             if cost > left * self.cache.ramp_share {
                 share = lesser(share, left * self.cache.ramp_share, cost);

@@ -10,7 +10,7 @@
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
-//! | E_t | `energy` in the tank, the whole state | J |
+//! | E_t | `energy` in the tank, the whole state, a [`Stored`] | J |
 //! | E_min | `reserve` that switching leaves alone | J |
 //! | eta | `refill`: share of dissipated energy that comes back | 1 |
 //! | P | `power`: the most that switching may put into one axis | W |
@@ -18,6 +18,7 @@
 //!
 //! Source: the tank of Ferraguti, Secchi, Fantuzzi, ICRA 2013, doi 10.1109/ICRA.2013.6630830, with exact books.
 
+use super::Stored;
 use crate::{ConfigError, Real, error};
 
 /// The part of what a full tank can spend below which a force set-point is throttled.
@@ -26,15 +27,15 @@ const VALVE: f64 = 0.25;
 /// The steps that a throttled set-point has to be let go in, at least.
 const VALVE_STEPS: f64 = 8.0;
 
-/// Parameters of an energy tank; its state is one number, the energy in it.
+/// Parameters of an energy tank; its state is the energy in it.
 ///
 /// ```
 /// use hpf_core::passivity::EnergyTank;
 /// let tank = EnergyTank::new(0.2_f64, 0.0, 0.9, 1e3)?;
-/// let mut energy = tank.capacity();
+/// let mut energy = tank.full();
 /// // At 0.1 m, 0.2 J raise the stiffness by 2 0.2/0.1^2 = 40 N/m, and not by the 370 N/m asked for.
 /// let stiffness = tank.stiffness(&mut energy, 30.0, 400.0, 0.1, 1e-3);
-/// assert!((stiffness - 70.0).abs() < 1e-12 && energy.abs() < 1e-15);
+/// assert!((stiffness - 70.0).abs() < 1e-12 && energy.level().abs() < 1e-15);
 /// # Ok::<(), hpf_core::ConfigError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +65,11 @@ impl<T: Real> EnergyTank<T> {
     /// The most the tank holds, and what it starts with [J].
     pub fn capacity(&self) -> T {
         self.capacity
+    }
+
+    /// The energy of a full tank.
+    pub fn full(&self) -> Stored<T> {
+        Stored::new(self.capacity)
     }
 
     /// The most that switching may put into one axis, or into the axes of one matrix [W].
@@ -96,9 +102,10 @@ impl<T: Real> EnergyTank<T> {
         left.select_below(open, left / open, T::ONE)
     }
 
-    /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s].
+    /// The stiffness [N/m] that may follow `stiffness` where `wanted` is asked for at `offset` [m], over `dt` [s]. What
+    /// comes in above the capacity is lost at the next [`book`](Self::book).
     #[inline]
-    pub fn stiffness(&self, energy: &mut T, stiffness: T, wanted: T, offset: T, dt: T) -> T
+    pub fn stiffness(&self, energy: &mut Stored<T>, stiffness: T, wanted: T, offset: T, dt: T) -> T
     where
         T: PartialOrd,
     {
@@ -106,14 +113,14 @@ impl<T: Real> EnergyTank<T> {
         let gain = T::of(0.5) * (stiffness - wanted) * square;
         // At no offset any stiffness is free.
         if gain >= T::ZERO {
-            self.book(energy, gain);
+            energy.add(gain * self.refill);
             return wanted;
         }
-        if -gain <= *energy - self.reserve && -gain <= self.power * dt {
-            *energy += gain;
+        if -gain <= energy.level() - self.reserve && -gain <= self.power * dt {
+            energy.add(gain);
             return wanted;
         }
-        let paid = self.available(*energy).at_most(self.power * dt);
+        let paid = self.available(energy.level()).at_most(self.power * dt);
         let allowed = (stiffness + (paid + paid) / square).at_most(wanted);
         self.book(energy, T::of(0.5) * (stiffness - allowed) * square);
         allowed
@@ -121,8 +128,8 @@ impl<T: Real> EnergyTank<T> {
 
     /// Books `balance` [J]: what comes in, less the share that is lost; what goes out, in full.
     #[inline]
-    pub fn book(&self, energy: &mut T, balance: T) {
-        let kept = balance.select_below(T::ZERO, balance, balance * self.refill);
-        *energy = (*energy + kept).at_most(self.capacity);
+    pub fn book(&self, energy: &mut Stored<T>, balance: T) {
+        energy.add(balance.select_below(T::ZERO, balance, balance * self.refill));
+        *energy = energy.capped(self.capacity);
     }
 }

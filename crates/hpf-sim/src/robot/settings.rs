@@ -396,11 +396,13 @@ impl Settings {
         let l = &self.limits;
         let axes = array::from_fn(|axis| {
             let press = self.press.as_ref().map_or(push[axis], |press| press.of(axis));
+            // One number for all is for the axes that have something to press on.
+            let presses = if let Some(PerAxis::Each(_)) = self.press { press != 0.0 } else { push[axis] != 0.0 };
             let kind = match &self.compliance {
                 Some(PerAxisKind::All(kind)) => *kind,
                 Some(PerAxisKind::Each(kinds)) => kinds[axis],
-                None if press == 0.0 => Kind::Compliant,
-                None => Kind::Press,
+                None if presses => Kind::Press,
+                None => Kind::Compliant,
             };
             AxisSettings {
                 compliance: match kind {

@@ -6,8 +6,8 @@
 
 use std::collections::VecDeque;
 
-use hpf_core::controller::{Controller, Input, Mode, Output, Request};
-use hpf_core::{ConfigError, Lanes, Real as _};
+use hpf_core::controller::{AxisSettings, Compliance, Controller, Input, Mode, Output, Request};
+use hpf_core::{Lanes, Real as _};
 use hpf_learn::Cost;
 
 use super::draws::add_mean;
@@ -68,7 +68,7 @@ impl Simulation {
         scenario: &Scenario,
         trace: &mut Trace,
     ) -> Result<Conduct, SimulationError> {
-        let made = match self.axes.len() {
+        match self.axes.len() {
             1 => self.control_axes::<1>(policy, settings, scenario, trace),
             2 => self.control_axes::<2>(policy, settings, scenario, trace),
             3 => self.control_axes::<3>(policy, settings, scenario, trace),
@@ -76,8 +76,7 @@ impl Simulation {
             5 => self.control_axes::<5>(policy, settings, scenario, trace),
             6 => self.control_axes::<6>(policy, settings, scenario, trace),
             _ => self.control_axes::<7>(policy, settings, scenario, trace),
-        };
-        made.map_err(SimulationError::Controller)
+        }
     }
 
     fn control_axes<const D: usize>(
@@ -86,8 +85,9 @@ impl Simulation {
         settings: &Settings,
         scenario: &Scenario,
         trace: &mut Trace,
-    ) -> Result<Conduct, ConfigError> {
-        let skill = policy.to_hybrid::<D>()?;
+    ) -> Result<Conduct, SimulationError> {
+        let refused = SimulationError::Controller;
+        let skill = policy.to_hybrid::<D>().map_err(refused)?;
         let starts = skill.axes().each_ref().map(|axis| Lanes([axis.movement.start()]));
         let robot = Robot::of(&self.task, self.dt);
         let mut plants: [Plant<'_, 1>; D] = core::array::from_fn(|a| {
@@ -96,7 +96,14 @@ impl Simulation {
         });
         let push = plants.each_ref().map(Plant::push);
         let position = |plants: &[Plant<'_, 1>; D]| plants.each_ref().map(|plant| plant.position().to_f64());
-        let mut controller = Controller::new(skill, settings.controller(push, self.dt)?, position(&plants))?;
+        let given = settings.controller(push, self.dt).map_err(refused)?;
+        let presses = |axis: &AxisSettings<f64>| matches!(axis.compliance, Compliance::Press(_));
+        if settings.press.as_ref().is_some_and(|press| press.values().iter().any(|press| *press != 0.0))
+            && !given.axes.iter().any(presses)
+        {
+            return Err(SimulationError::PressesNothing);
+        }
+        let mut controller = Controller::new(skill, given, position(&plants)).map_err(refused)?;
         let mut requests = Requests::of(settings);
         let mut conduct = Conduct::default();
         self.record(0, &controller.output(), &plants, trace);

@@ -78,6 +78,9 @@ impl Rules<'_, '_, '_> {
                     format!("`{name}` cannot name an axis"),
                     "a letter, then up to 31 letters, digits or `_`",
                 );
+            } else if let Some(of) = name.strip_suffix("_reference").filter(|of| self.task.axis_index(of).is_some()) {
+                let help = "tables have columns of the reference of every axis: rename one of the two";
+                self.say(&path, format!("columns of `{name}` would be called like some of axis `{of}`"), help);
             } else if self.task.axis_index(name) != Some(i) {
                 self.say(&path, format!("two axes are called `{name}`"), "give each axis a name of its own");
             }

@@ -25,6 +25,9 @@ fn names_are_checked_and_one_mistake_in_them_is_told_once() {
     // The second disturbance now names no axis, which is the same mistake.
     let own = "give each axis a name of its own";
     one(VIA_POINT, ("name = \"y\"", "name = \"x\""), "\"x\"", "two axes are called `x`", own);
+    let message = "columns of `x_reference` would be called like some of axis `x`";
+    let rename = "tables have columns of the reference of every axis: rename one of the two";
+    one(VIA_POINT, ("name = \"y\"", "name = \"x_reference\""), "\"x_reference\"", message, rename);
     let axis = "a letter, then up to 31 letters, digits or `_`";
     one(VIA_POINT, ("name = \"y\"", "name = \"1y\""), "\"1y\"", "`1y` cannot name an axis", axis);
 }

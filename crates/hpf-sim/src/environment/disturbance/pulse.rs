@@ -14,10 +14,10 @@ pub struct Pulse {
     pub axis: String,
     /// Force of the pulse [N].
     pub amplitude: Quantity,
-    /// When it begins [s].
+    /// When it begins [s]; not drawn from a normal distribution.
     #[schemars(extend("minimum" = 0))]
     pub start: Quantity,
-    /// How long it lasts [s].
+    /// How long it lasts [s]; not drawn from a normal distribution.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length: Quantity,
 }

@@ -13,10 +13,10 @@ pub struct Ramp {
     pub axis: String,
     /// Force at the end of the ramp and after it [N].
     pub amplitude: Quantity,
-    /// When it begins [s].
+    /// When it begins [s]; not drawn from a normal distribution.
     #[schemars(extend("minimum" = 0))]
     pub start: Quantity,
-    /// How long it grows [s].
+    /// How long it grows [s]; not drawn from a normal distribution.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length: Quantity,
 }

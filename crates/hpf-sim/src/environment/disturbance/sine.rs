@@ -14,13 +14,13 @@ pub struct Sine {
     pub axis: String,
     /// Largest force [N].
     pub amplitude: Quantity,
-    /// Time of one swing [s].
+    /// Time of one swing [s]; not drawn from a normal distribution.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub period: Quantity,
     /// Phase at the start [rad].
     #[serde(default = "super::zero")]
     pub phase: Quantity,
-    /// How long it swings [s]; left out, for ever.
+    /// How long it swings [s], not drawn from a normal distribution; left out, for ever.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub length: Option<Quantity>,
 }

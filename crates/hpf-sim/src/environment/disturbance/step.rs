@@ -14,7 +14,7 @@ pub struct Step {
     pub axis: String,
     /// Force after the jump [N].
     pub amplitude: Quantity,
-    /// When it jumps [s].
+    /// When it jumps [s]; not drawn from a normal distribution.
     #[schemars(extend("minimum" = 0))]
     pub start: Quantity,
 }

@@ -170,14 +170,23 @@ impl Rules<'_, '_, '_> {
             let help = "say method = \"pi2\" too; with no method named it is \"auto\", which has nothing to set";
             self.say(&format!("learning.{key}"), format!("`{key}` is a setting of pi2, and no method is named"), help);
         }
-        let least = learning.rollouts.saturating_add(2).saturating_mul(self.task.draws());
+        // What learns from a model plans one motion at a time.
+        let first = if matches!(learning.method, Method::Auto | Method::Model) { 1 } else { learning.rollouts };
+        let least = first.saturating_add(2).saturating_mul(self.task.draws());
         if learning.max_rollouts.is_some_and(|max| max < least) {
             let help = format!(
-                "at least {least}: one motion before learning, {} of the first update, one after it{}",
-                learning.rollouts,
+                "at least {least}: one motion before learning, {first} of the first update, one after it{}",
                 if self.task.is_random() { ", each once for every draw" } else { "" }
             );
             self.say("learning.max_rollouts", "`max_rollouts` leaves no room for a single update", help);
+        }
+        let unmodelled = [
+            (self.task.admittance.order != 1, "a law of order 1"),
+            (self.task.is_random(), "a task without anything drawn at random"),
+        ];
+        for (_, wanted) in unmodelled.into_iter().filter(|(is_so, _)| *is_so && learning.method == Method::Model) {
+            let help = "method = \"auto\" begins with what there is a model of";
+            self.say("learning.method", format!("`model` learns {wanted} only"), help);
         }
         let mut kept = HashSet::new();
         for (i, &update) in self.task.snapshots().iter().enumerate() {
