@@ -7,6 +7,7 @@ mod play {
     pub mod draw;
     pub mod port;
     pub mod promises;
+    pub mod still;
 }
 
 use hpf_core::controller::{Controller, Input, Request};

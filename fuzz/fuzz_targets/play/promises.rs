@@ -1,11 +1,10 @@
 //! What a controller promises, worked out from what went in and what came out, never from its own books.
 
-use std::collections::VecDeque;
-
 use hpf_core::controller::{Compliance, Counters, Input, Mode, Output, Request, Settings};
 use hpf_core::{AxisPrimitives, Damping, Law, Real};
 
 use super::draw::{N, Scalar};
+use super::still::Still;
 
 /// Within the bounds as the scalar rounds them.
 fn bounded<T: Scalar>(value: T, lo: f64, hi: f64) {
@@ -83,8 +82,8 @@ pub struct Witness<T, const D: usize> {
     last: Output<T, D>,
     /// Whether a tare may be asked for.
     ready: bool,
-    /// The good readings in a row since it is in Idle [N], and how long each lasted [s], the newest first.
-    stood: VecDeque<([f64; D], f64)>,
+    /// The force, while it is in Idle.
+    still: Still<D>,
     counters: Counters,
     /// Since the last reset: whether it has run, whether an input was bad, whether it has ended.
     started: bool,
@@ -104,19 +103,13 @@ pub struct Witness<T, const D: usize> {
 }
 
 /// What a sum or a difference of these may be off by.
-fn rounding<T: Scalar>(parts: &[f64]) -> f64 {
+pub fn rounding<T: Scalar>(parts: &[f64]) -> f64 {
     8.0 * T::EPSILON * parts.iter().map(|part| part.abs()).sum::<f64>()
 }
 
 /// The tool's weight along an axis [N].
-fn weight<T: Scalar, const D: usize>(settings: &Settings<T, D>, axis: usize) -> f64 {
+pub fn weight<T: Scalar, const D: usize>(settings: &Settings<T, D>, axis: usize) -> f64 {
     settings.conditioning.tool_mass.to_f64() * settings.conditioning.gravity[axis].to_f64()
-}
-
-/// The force that was read, where all of it is good [N].
-fn good_reading<T: Scalar, const D: usize>(input: &Input<T, D>, settings: &Settings<T, D>) -> Option<[f64; D]> {
-    let is_good = input.force_age <= settings.timing.oldest_force && input.measured_force.iter().all(|f| f.is_finite());
-    is_good.then(|| input.measured_force.map(|force| force.to_f64().clamp(-1e9, 1e9)))
 }
 
 /// The mode after a request, where there is one.
@@ -152,7 +145,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         let mut witness = Self {
             last: *first,
             ready: false,
-            stood: VecDeque::new(),
+            still: Still::default(),
             counters: Counters::default(),
             started: false,
             spoiled: false,
@@ -181,7 +174,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         (self.work, self.doubt) = (0.0, 0.0);
         self.filled = settings.tank.map(|tank| tank.capacity().to_f64());
         self.reserve = reserve(settings);
-        self.stood.clear();
+        self.still = Still::default();
     }
 
     /// After settings were replaced, or refused.
@@ -196,7 +189,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         // By other settings the force has to stand still anew.
         self.ready &= !accepted;
         if accepted {
-            self.stood.clear();
+            self.still = Still::default();
         }
         // What was owed is measured against other limits: look again from here.
         self.owed.iter_mut().for_each(|owed| owed.lost_for = 0.0);
@@ -226,7 +219,7 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
         self.motion(settings, axes, h, now);
         self.energy(settings, axes, h, now);
         self.count(asked, now, counters);
-        self.stand(input, settings, h, now);
+        self.still.stand(input, settings, h, now);
         (self.last, self.ready) = (*now, now.status.tare_ready);
     }
 
@@ -250,10 +243,10 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
             None => Some(mode),
             Some(Request::Tare) => {
                 assert!(!self.ready || mode == Mode::Idle);
-                let taken = self.ready && self.is_steady(input, settings, bias[0], now);
+                let taken = self.ready && self.still.is_steady(input, settings, bias[0], now);
                 if taken {
-                    self.tared(settings, bias[1]);
-                    self.stood.clear();
+                    self.still.tared(settings, bias[1]);
+                    self.still = Still::default();
                 }
                 taken.then_some(mode)
             }
@@ -274,62 +267,6 @@ impl<T: Scalar, const D: usize> Witness<T, D> {
             _ => {}
         }
         next.unwrap_or(mode)
-    }
-
-    /// The readings that may still be known: those of three spans of a quarter of a second and ten readings at least.
-    fn known(&self) -> impl Iterator<Item = &([f64; D], f64)> {
-        let (mut spans, mut count, mut time) = (0, 0, 0.0);
-        self.stood.iter().take_while(move |(_, h)| {
-            let known = spans < 3;
-            (count, time) = (count + 1, time + h);
-            if count >= 10 && time > 0.251 {
-                (spans, count, time) = (spans + 1, 0, 0.0);
-            }
-            known
-        })
-    }
-
-    /// Whether a tare must be taken: this reading is good and within 5 % of all that may still be known. Where it is so
-    /// of the last half second alone, or rounding decides, either answer is right.
-    fn is_steady(&self, input: &Input<T, D>, settings: &Settings<T, D>, bias: [T; D], now: &Output<T, D>) -> bool {
-        let Some(force) = good_reading(input, settings) else { return false };
-        let ([mut may, mut must], mut age) = ([true; 2], 0.0);
-        for (reading, h) in self.known() {
-            for (i, axis) in settings.axes.iter().enumerate() {
-                let (width, level) = ((reading[i] - force[i]).abs(), 0.05 * axis.limits.force.to_f64());
-                let doubt = rounding::<T>(&[reading[i], force[i], bias[i].to_f64(), weight(settings, i), level]);
-                may &= age > 0.499 || width <= level + doubt;
-                must &= width <= level - doubt;
-            }
-            age += h;
-        }
-        must || may && !now.status.refused
-    }
-
-    /// What a tare has called zero is among the readings that may still be known.
-    fn tared(&self, settings: &Settings<T, D>, bias: [T; D]) {
-        for (i, bias) in bias.iter().map(|bias| bias.to_f64()).enumerate() {
-            let all = self.known().map(|(reading, _)| reading[i]);
-            let (least, most) =
-                all.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), one| (least.min(one), most.max(one)));
-            let found = bias + weight(settings, i);
-            let doubt = 64.0 * rounding::<T>(&[bias, weight(settings, i), least, most]);
-            assert!(found >= least - doubt && found <= most + doubt, "{found:e} is not in [{least:e}, {most:e}]");
-        }
-    }
-
-    /// How long the force has stood still, seen from here.
-    fn stand(&mut self, input: &Input<T, D>, settings: &Settings<T, D>, h: f64, now: &Output<T, D>) {
-        assert!(!now.status.tare_ready || now.mode == Mode::Idle && h > 0.0);
-        match good_reading(input, settings).filter(|_| now.mode == Mode::Idle && h > 0.0) {
-            None => self.stood.clear(),
-            Some(force) => {
-                if now.status.long_time {
-                    self.stood.clear();
-                }
-                self.stood.push_front((force, h));
-            }
-        }
     }
 
     /// Each axis is watched by itself for its force and its distance.
