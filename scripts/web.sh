@@ -45,6 +45,6 @@ if $with_browser; then
         npm install --silent --no-audit --no-fund --prefix "$modules" puppeteer-core@25 ||
             skip "puppeteer-core cannot be installed" "pages were not opened"
     fi
-    HPF_PUPPETEER="$modules/node_modules/puppeteer-core/lib/esm/puppeteer/puppeteer-core.js" CHROMIUM="$(command -v chromium)" \
+    HPF_PUPPETEER="$(find "$modules/node_modules/puppeteer-core" -name puppeteer-core.js | head -n 1)" CHROMIUM="$(command -v chromium)" \
         node --test --test-reporter=spec web/test/page.mjs
 fi
