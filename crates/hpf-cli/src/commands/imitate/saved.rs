@@ -115,7 +115,7 @@ impl Account {
                 axis.damping
             );
         }
-        // Told where it makes a difference: an axis that starts or ends elsewhere than its recordings.
+        // Shown where it makes a difference: an axis that starts or ends elsewhere than its recordings.
         let differs = |axis: &&AxisAccount| {
             let far = |a: f64, b: f64| (a - b).abs() > 0.1 * a.max(b);
             far(axis.error, axis.aligned[0]) || far(axis.spread, axis.aligned[1])
