@@ -405,10 +405,9 @@ fn a_program_whose_every_answer_is_misshapen_is_not_started_for_other_motions() 
         return;
     }
     let folder = folder();
-    let file = folder.path().join("starts");
-    let program = worker(folder.path(), &format!("open({file:?}, 'a').write('x')\nsay(type='done', id=id, price=1.0)"));
+    let program = worker(folder.path(), "open(__file__ + '.starts', 'a').write('x')\nsay(type='done', id=id, price=1)");
     let (_, stderr) = learn(1, folder.path(), &["python3", &program], "run", &COSTS);
-    assert!(stderr.contains("none was ever answered right") && read(file) == "xxx", "{stderr}");
+    assert!(stderr.contains("none was ever answered right") && read(program + ".starts") == "xxx", "{stderr}");
 }
 
 #[test]

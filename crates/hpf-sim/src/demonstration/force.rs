@@ -7,6 +7,8 @@
 //! A rest level is taken where it leaves less than a quarter of the squares that are left without it. The sign is turned
 //! where four windows of five need both negative stiffness and negative damping: no spring pulls away.
 
+use core::ops::Range;
+
 use super::path::Aligned;
 use super::signal::differences;
 
@@ -46,13 +48,7 @@ pub fn look(recordings: &[Aligned], axis: usize, half: usize) -> Option<Read> {
         largest = force.iter().fold(largest, |most, f| most.max(f.abs()));
         for i in 0..error.len() {
             let (from, to) = (i.saturating_sub(half), (i + half + 1).min(error.len()));
-            let mut sums = [0.0; SUMS];
-            for j in from..to {
-                let (e, v, f) = (error[j], velocity[j], force[j]);
-                let products = [e * e, e * v, v * v, e * f, v * f, e, v, f, 1.0];
-                sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
-            }
-            windows.push(sums);
+            windows.push(sums([&error, &velocity, force], from..to));
         }
     }
     let most = |j: usize| windows.iter().map(|window| window[j]).fold(0.0, f64::max);
@@ -104,12 +100,7 @@ fn rest(windows: &[[f64; SUMS]], recordings: &[Aligned], axis: usize, half: usiz
             let velocity = differences(&error, recording.dt);
             for i in (0..error.len()).step_by(half.max(1)) {
                 let (from, to) = (i.saturating_sub(half), (i + half + 1).min(error.len()));
-                let mut sums = [0.0; SUMS];
-                for j in from..to {
-                    let (e, v, f) = (error[j], velocity[j], force[j]);
-                    let products = [e * e, e * v, v * v, e * f, v * f, e, v, f, 1.0];
-                    sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
-                }
+                let sums = sums([&error, &velocity, force], from..to);
                 let [ee, ev, vv, ..] = sums;
                 if ee * vv - ev * ev <= LEAST_ANGLE * ee * vv {
                     continue;
@@ -121,6 +112,17 @@ fn rest(windows: &[[f64; SUMS]], recordings: &[Aligned], axis: usize, half: usiz
         left
     };
     (rest.is_finite() && left(rest) < LEFT * left(0.0)).then_some(rest)
+}
+
+/// Sums over a window of an offset [m], its velocity [m/s] and the force [N].
+fn sums([error, velocity, force]: [&[f64]; 3], window: Range<usize>) -> [f64; SUMS] {
+    let mut sums = [0.0; SUMS];
+    for j in window {
+        let (e, v, f) = (error[j], velocity[j], force[j]);
+        let products = [e * e, e * v, v * v, e * f, v * f, e, v, f, 1.0];
+        sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+    }
+    sums
 }
 
 /// Stiffness and damping of a window without bounds.
